@@ -1,0 +1,164 @@
+//! Triangle meshes as binary little-endian PLY with f64 coordinates, mm.
+//!
+//! This is the exchange form between stages, written and read without loss. It is not a reader of the PLY files people
+//! have: that is `source-mesh`'s work. Closedness and orientation are promises of the types `body` and `solids`, kept by
+//! the stages that make them and checked by the verifiers, not here.
+
+use super::ArtefactError;
+use glam::DVec3;
+
+/// Vertices and counter-clockwise triangles that index them.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct TriangleMesh {
+    /// Positions, mm.
+    pub vertices: Vec<DVec3>,
+    /// Indices of corners, counter-clockwise seen from outside.
+    pub triangles: Vec<[u32; 3]>,
+}
+
+const FORMAT: &str = "PLY mesh";
+const VERTEX_BYTES: usize = 24;
+const TRIANGLE_BYTES: usize = 13;
+
+impl TriangleMesh {
+    /// The three corners of a triangle, mm.
+    pub fn corners(&self, triangle: usize) -> [DVec3; 3] {
+        self.triangles[triangle].map(|v| self.vertices[v as usize])
+    }
+
+    /// Least and greatest coordinates, mm; `None` without vertices.
+    pub fn bounds(&self) -> Option<(DVec3, DVec3)> {
+        let first = *self.vertices.first()?;
+        Some(self.vertices.iter().fold((first, first), |(lo, hi), v| (lo.min(*v), hi.max(*v))))
+    }
+
+    /// Writes the mesh.
+    pub fn to_ply(&self) -> Vec<u8> {
+        let header = header(self.vertices.len(), self.triangles.len());
+        let size = header.len() + self.vertices.len() * VERTEX_BYTES + self.triangles.len() * TRIANGLE_BYTES;
+        let mut bytes = Vec::with_capacity(size);
+        bytes.extend_from_slice(header.as_bytes());
+        for coordinate in self.vertices.iter().flat_map(|v| v.to_array()) {
+            bytes.extend_from_slice(&coordinate.to_le_bytes());
+        }
+        for triangle in &self.triangles {
+            bytes.push(3);
+            triangle.iter().for_each(|v| bytes.extend_from_slice(&v.to_le_bytes()));
+        }
+        bytes
+    }
+
+    /// Reads what [`to_ply`](Self::to_ply) writes, and nothing else: finite coordinates, indices in range.
+    pub fn from_ply(bytes: &[u8]) -> Result<TriangleMesh, ArtefactError> {
+        let (vertex_count, triangle_count, body) = split_header(bytes)?;
+        let expected = vertex_count
+            .checked_mul(VERTEX_BYTES)
+            .zip(triangle_count.checked_mul(TRIANGLE_BYTES))
+            .and_then(|(a, b)| a.checked_add(b));
+        if expected != Some(body.len()) {
+            let counts = format!("{vertex_count} vertices and {triangle_count} triangles");
+            return Err(promise(format!("{counts} do not fill the {} bytes after the header", body.len())));
+        }
+        let (vertices, triangles) = body.split_at(vertex_count * VERTEX_BYTES);
+        let mesh = TriangleMesh {
+            vertices: read_vertices(vertices)?,
+            triangles: read_triangles(triangles, vertex_count)?,
+        };
+        Ok(mesh)
+    }
+}
+
+fn header(vertices: usize, triangles: usize) -> String {
+    format!(
+        "ply\nformat binary_little_endian 1.0\ncomment fibar.mesh/1, mm\nelement vertex {vertices}\n\
+         property double x\nproperty double y\nproperty double z\nelement face {triangles}\n\
+         property list uchar int vertex_indices\nend_header\n"
+    )
+}
+
+/// Counts of vertices and triangles, and the bytes after the header.
+fn split_header(bytes: &[u8]) -> Result<(usize, usize, &[u8]), ArtefactError> {
+    let shape = |message: &str| ArtefactError::Shape { format: FORMAT, message: message.to_string() };
+    const END: &[u8] = b"end_header\n";
+    let head = &bytes[..bytes.len().min(512)];
+    let end = head
+        .windows(END.len())
+        .position(|w| w == END)
+        .ok_or_else(|| shape("no end_header in the first 512 bytes"))?;
+    let (text, body) = bytes.split_at(end + END.len());
+    let text = std::str::from_utf8(text).map_err(|_| shape("the header is not text"))?;
+    let count = |key: &str| {
+        let line = text.lines().find_map(|l| l.strip_prefix(key));
+        line.and_then(|n| n.parse().ok()).ok_or_else(|| shape(&format!("no \"{key}N\" line")))
+    };
+    let (vertices, triangles) = (count("element vertex ")?, count("element face ")?);
+    if text != header(vertices, triangles) {
+        return Err(shape("the header is not the one of fibar.mesh/1 (f64 vertices, int triangles)"));
+    }
+    Ok((vertices, triangles, body))
+}
+
+fn read_vertices(bytes: &[u8]) -> Result<Vec<DVec3>, ArtefactError> {
+    let coordinate = |b: &[u8]| f64::from_le_bytes(b.try_into().expect("slices of eight bytes"));
+    let vertex = |b: &[u8]| DVec3::new(coordinate(&b[..8]), coordinate(&b[8..16]), coordinate(&b[16..]));
+    let vertices: Vec<DVec3> = bytes.chunks_exact(VERTEX_BYTES).map(vertex).collect();
+    match vertices.iter().position(|v| !v.is_finite()) {
+        Some(k) => Err(promise(format!("vertex {k} is not finite"))),
+        None => Ok(vertices),
+    }
+}
+
+fn read_triangles(bytes: &[u8], vertex_count: usize) -> Result<Vec<[u32; 3]>, ArtefactError> {
+    let index = |b: &[u8]| u32::from_le_bytes(b.try_into().expect("slices of four bytes"));
+    let read = |(k, b): (usize, &[u8])| {
+        let triangle = [index(&b[1..5]), index(&b[5..9]), index(&b[9..13])];
+        let sound = b[0] == 3 && triangle.iter().all(|&v| (v as usize) < vertex_count);
+        sound
+            .then_some(triangle)
+            .ok_or_else(|| promise(format!("face {k} is not a triangle of known vertices")))
+    };
+    bytes.chunks_exact(TRIANGLE_BYTES).enumerate().map(read).collect()
+}
+
+fn promise(message: String) -> ArtefactError {
+    ArtefactError::Promise { format: FORMAT, message }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn tetrahedron() -> TriangleMesh {
+        TriangleMesh {
+            vertices: vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::new(0.1, 0.2, 1e-300)],
+            triangles: vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
+        }
+    }
+
+    #[test]
+    fn what_is_written_is_read_back_to_the_bit() {
+        let mesh = tetrahedron();
+        assert_eq!(TriangleMesh::from_ply(&mesh.to_ply()), Ok(mesh));
+        assert_eq!(TriangleMesh::from_ply(&TriangleMesh::default().to_ply()), Ok(TriangleMesh::default()));
+    }
+
+    #[test]
+    fn broken_bytes_are_refused() {
+        let good = tetrahedron().to_ply();
+        let check = |bytes: &[u8], says: &str| {
+            let error = TriangleMesh::from_ply(bytes).unwrap_err().to_string();
+            assert!(error.contains(says), "{error:?} does not say {says:?}");
+        };
+        check(b"", "no end_header");
+        check(&good[..good.len() - 1], "do not fill");
+        let text = String::from_utf8_lossy(&good[..120]).replace("vertex 4", "vertex 99999999999999999999");
+        check(&[text.as_bytes(), &good[120..]].concat(), "element vertex");
+        let mut index = good.clone();
+        *index.last_mut().unwrap() = 9;
+        check(&index, "face 3");
+        let at = good.len() - 4 * TRIANGLE_BYTES - 8;
+        let mut nan = good;
+        nan[at..at + 8].copy_from_slice(&f64::NAN.to_le_bytes());
+        check(&nan, "vertex 3 is not finite");
+    }
+}

@@ -1,0 +1,1 @@
+//! Pure geometry kernels: meshes, NURBS curves, distance, rays, sampling, optics.
