@@ -1,0 +1,1 @@
+//! Rotation-minimising frames along a curve.

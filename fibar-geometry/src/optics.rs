@@ -1,0 +1,1 @@
+//! The law of light integrated along a curve.

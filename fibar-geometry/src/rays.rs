@@ -1,0 +1,1 @@
+//! Visibility rays by a BVH.

@@ -1,0 +1,1 @@
+//! Area-weighted points of a surface.

@@ -1,0 +1,1 @@
+//! Geodesic spheres of viewpoints.
