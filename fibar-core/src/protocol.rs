@@ -30,7 +30,7 @@ pub const FILE_FORMAT: &str = "fibar-file";
 
 /// What the host says to a plugin.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(tag = "type", rename_all = "snake_case")]
+#[serde(tag = "type", rename_all = "snake_case", deny_unknown_fields)]
 pub enum HostMessage {
     /// The first line of a session.
     Hello(Hello),
@@ -49,7 +49,7 @@ pub enum HostMessage {
 
 /// What a plugin says to the host.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(tag = "type", rename_all = "snake_case")]
+#[serde(tag = "type", rename_all = "snake_case", deny_unknown_fields)]
 pub enum PluginMessage {
     /// The first line of a session.
     Hello(Hello),
