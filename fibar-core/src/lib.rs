@@ -7,9 +7,11 @@ pub mod artefact;
 
 pub mod adjacency;
 pub mod code;
+pub mod diagnostic;
 pub mod id;
 pub mod light;
 pub mod material;
+pub mod protocol;
 pub mod recognition;
 
 pub use id::{LedId, MarkerId, PatternId};
