@@ -1,0 +1,15 @@
+//! Solids: closed meshes, their booleans, sweeps along curves and insets.
+//!
+//! The one room with C++ in it: upstream Manifold behind a bridge of our own. It deliberately knows nothing of files,
+//! stages or fibres; `sweep-solids` puts roles and LEDs together. Lengths mm, angles rad, right-handed.
+//!
+//! Results depend on the arguments alone: Manifold runs serially, callers may run it from many threads.
+
+mod solid;
+
+mod error;
+
+mod bridge;
+
+pub use error::SolidError;
+pub use solid::Solid;

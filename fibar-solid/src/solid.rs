@@ -1,0 +1,173 @@
+//! A solid: a closed, oriented mesh that booleans may be asked of.
+
+use crate::SolidError;
+use crate::bridge::ffi;
+use cxx::UniquePtr;
+use fibar_core::artefact::mesh::TriangleMesh;
+use glam::DVec3;
+
+/// A valid solid, possibly empty. Every operation gives a valid solid or an error, never an invalid one.
+///
+/// Evaluated eagerly: what an operation costs, it costs there.
+pub struct Solid(UniquePtr<ffi::Manifold>);
+
+// SAFETY: an evaluated Manifold is immutable but for caches, which upstream guards by mutexes and atomics; its
+// documentation allows const access from many threads, and nothing here hands out mutable access.
+unsafe impl Send for Solid {}
+unsafe impl Sync for Solid {}
+
+impl Solid {
+    /// The empty solid.
+    pub fn empty() -> Solid {
+        Solid::from_mesh(&TriangleMesh::default()).expect("no triangle breaks no rule")
+    }
+
+    /// Takes a mesh whose triangles share vertices by index; coincident vertices are not merged.
+    pub fn from_mesh(mesh: &TriangleMesh) -> Result<Solid, SolidError> {
+        let vertices: Vec<f64> = mesh.vertices.iter().flat_map(|v| v.to_array()).collect();
+        let triangles: Vec<u64> = mesh.triangles.iter().flatten().map(|&v| u64::from(v)).collect();
+        checked(ffi::solid_from_mesh(&vertices, &triangles))
+    }
+
+    /// Convex hull; empty when the points span no volume.
+    pub fn hull(points: &[DVec3]) -> Result<Solid, SolidError> {
+        let flat: Vec<f64> = points.iter().flat_map(|v| v.to_array()).collect();
+        checked(ffi::hull_of_points(&flat))
+    }
+
+    /// The surface: one vertex per place of the 2-manifold, triangles counter-clockwise from outside.
+    pub fn to_mesh(&self) -> Result<TriangleMesh, SolidError> {
+        let buffers = ffi::mesh_of(&self.0)?;
+        let vertices = buffers.vertices.chunks_exact(3).map(DVec3::from_slice).collect();
+        let triangles = buffers.triangles.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect();
+        Ok(drop_unused_vertices(TriangleMesh { vertices, triangles }))
+    }
+
+    /// Whether it encloses nothing.
+    pub fn is_empty(&self) -> bool {
+        self.triangle_count() == 0
+    }
+
+    /// Number of triangles of its surface.
+    pub fn triangle_count(&self) -> usize {
+        ffi::triangle_count(&self.0)
+    }
+
+    /// Enclosed volume, mm³.
+    pub fn volume(&self) -> f64 {
+        ffi::volume_of(&self.0)
+    }
+
+    /// Area of its surface, mm².
+    pub fn surface_area(&self) -> f64 {
+        ffi::surface_area_of(&self.0)
+    }
+
+    /// Number of handles: `1 − (vertices − edges + triangles) / 2` over the whole surface, so negative for several shells.
+    pub fn genus(&self) -> i32 {
+        ffi::genus_of(&self.0)
+    }
+
+    /// Lengths below which Manifold takes features for noise, mm.
+    pub fn tolerance(&self) -> f64 {
+        ffi::tolerance_of(&self.0)
+    }
+
+    /// Least and greatest coordinates, mm; `None` when empty.
+    pub fn bounds(&self) -> Option<(DVec3, DVec3)> {
+        (!self.is_empty()).then(|| (ffi::lower_corner(&self.0).into(), ffi::upper_corner(&self.0).into()))
+    }
+
+    /// What is in any of the solids.
+    pub fn union<'a>(solids: impl IntoIterator<Item = &'a Solid>) -> Result<Solid, SolidError> {
+        combine(solids, ffi::Operation::Union)
+    }
+
+    /// What is in both.
+    pub fn intersect(&self, other: &Solid) -> Result<Solid, SolidError> {
+        combine([self, other], ffi::Operation::Intersection)
+    }
+
+    /// What is in `self` and in none of the others.
+    pub fn subtract<'a>(&'a self, others: impl IntoIterator<Item = &'a Solid>) -> Result<Solid, SolidError> {
+        combine(std::iter::once(self).chain(others), ffi::Operation::Difference)
+    }
+
+    /// Moves it by a vector, mm.
+    pub fn translate(&self, by: DVec3) -> Result<Solid, SolidError> {
+        checked(ffi::translated(&self.0, by.into()))
+    }
+
+    /// Keeps the part where `normal · x ≥ offset`, mm along the unit normal.
+    pub fn trim(&self, normal: DVec3, offset: f64) -> Result<Solid, SolidError> {
+        checked(ffi::trimmed(&self.0, normal.into(), offset))
+    }
+
+    /// Drops detail below a length, mm: collapses short edges and flat vertices.
+    pub fn simplify(&self, tolerance: f64) -> Result<Solid, SolidError> {
+        checked(ffi::simplified(&self.0, tolerance))
+    }
+
+    /// Sets the length below which later operations take features for noise, mm.
+    pub fn with_tolerance(&self, tolerance: f64) -> Result<Solid, SolidError> {
+        checked(ffi::with_tolerance(&self.0, tolerance))
+    }
+
+    /// Its disconnected shells, cavities with the shell that holds them.
+    pub fn components(&self) -> Result<Vec<Solid>, SolidError> {
+        let pile = ffi::components_of(&self.0)?;
+        Ok(pile.iter().map(|part| Solid(ffi::copy_of(part))).collect())
+    }
+
+    /// Minkowski difference with a convex body that holds the origin: the places at which that body fits inside.
+    ///
+    /// One hull per triangle and their union: minutes for meshes of 10⁴ triangles.
+    pub fn erode(&self, ball: &Solid) -> Result<Solid, SolidError> {
+        checked(ffi::eroded(&self.0, &ball.0))
+    }
+}
+
+impl Clone for Solid {
+    fn clone(&self) -> Self {
+        Solid(ffi::copy_of(&self.0))
+    }
+}
+
+impl std::fmt::Debug for Solid {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "Solid({} triangles, {} mm³)", self.triangle_count(), self.volume())
+    }
+}
+
+fn combine<'a>(
+    solids: impl IntoIterator<Item = &'a Solid>,
+    operation: ffi::Operation,
+) -> Result<Solid, SolidError> {
+    let mut pile = ffi::new_pile();
+    solids.into_iter().for_each(|solid| ffi::push(pile.pin_mut(), &solid.0));
+    checked(ffi::combined(&pile, operation))
+}
+
+/// Turns exceptions and error statuses into errors.
+fn checked(made: Result<UniquePtr<ffi::Manifold>, cxx::Exception>) -> Result<Solid, SolidError> {
+    let solid = made?;
+    match SolidError::from_status(ffi::status_of(&solid)?) {
+        None => Ok(Solid(solid)),
+        Some(error) => Err(error),
+    }
+}
+
+/// Without the vertices that were merged away, order kept.
+fn drop_unused_vertices(mesh: TriangleMesh) -> TriangleMesh {
+    let mut used = vec![false; mesh.vertices.len()];
+    mesh.triangles.iter().flatten().for_each(|&v| used[v as usize] = true);
+    let mut next = 0;
+    let number = |&is_used: &bool| {
+        next += u32::from(is_used);
+        next.wrapping_sub(1)
+    };
+    let renumbered: Vec<u32> = used.iter().map(number).collect();
+    let triangles = mesh.triangles.iter().map(|t| t.map(|v| renumbered[v as usize])).collect();
+    let vertices = mesh.vertices.into_iter().zip(used).filter_map(|(v, keep)| keep.then_some(v)).collect();
+    TriangleMesh { vertices, triangles }
+}
