@@ -62,7 +62,12 @@ impl Stage for VerifyLight {
         )
         .version(env!("CARGO_PKG_VERSION"))
         .input("routes", "routes", "The fibres.")
-        .published("verdict", "verdict", "verdict-light.json", "Every fibre's reach, the weakest first.")
+        .published(
+            "verdict",
+            "verdict",
+            "verdict-verify-light.json",
+            "Every fibre's reach, the weakest first.",
+        )
         .max_cores(1)
     }
 
@@ -78,7 +83,11 @@ impl Stage for VerifyLight {
         if summary.worst().d_cam_mm < params.min_d_cam_mm {
             job.violation(too_dark(&summary, params.min_d_cam_mm));
         }
-        job.write("verdict", "verdict-light.json", &summary.verdict(&law, params.min_d_cam_mm).to_json())
+        job.write(
+            "verdict",
+            "verdict-verify-light.json",
+            &summary.verdict(&law, params.min_d_cam_mm).to_json(),
+        )
     }
 }
 
