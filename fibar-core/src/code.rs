@@ -17,6 +17,9 @@ pub struct Code {
 /// Why a set of codes cannot exist.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum CodeError {
+    /// Pattern 1 is missing, or is no m-sequence.
+    #[error("pattern 1 must be an m-sequence: each of its windows of m bits occurs once")]
+    NoMSequence,
     /// No primitive polynomial is tabled for this degree.
     #[error("no m-sequence of degree {0} is known here: use a degree from 3 to 8")]
     Degree(u32),
@@ -122,6 +125,19 @@ mod tests {
             let windows: std::collections::BTreeSet<Vec<bool>> =
                 (0..n).map(|i| (0..degree as usize).map(|k| bits[(i + k) % n]).collect()).collect();
             assert_eq!(windows.len(), n, "degree {degree}");
+        }
+    }
+
+    #[test]
+    fn an_m_sequence_is_unlike_its_shifts() {
+        for degree in 3..=8 {
+            let bits = m_sequence(degree).unwrap();
+            let n = bits.len();
+            let differing = |shift: usize| (0..n).filter(|&k| bits[k] != bits[(k + shift) % n]).count();
+            assert!(
+                (1..n).all(|shift| differing(shift) == n.div_ceil(2)),
+                "degree {degree}: autocorrelation −1"
+            );
         }
     }
 

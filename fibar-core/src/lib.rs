@@ -7,6 +7,9 @@ pub mod artefact;
 
 pub mod adjacency;
 pub mod code;
+pub mod code_design;
+pub mod code_separation;
+pub mod decoding;
 pub mod diagnostic;
 pub mod id;
 pub mod light;
