@@ -29,7 +29,8 @@ impl Stage for Shout {
     }
 
     fn run(params: Params, job: &mut Job) -> Result<(), StageError> {
-        let text = String::from_utf8(job.read("text")?).map_err(|_| StageError::input("the text is not UTF-8"))?;
+        let text =
+            String::from_utf8(job.read("text")?).map_err(|_| StageError::input("the text is not UTF-8"))?;
         job.progress(0.5, "shouting")?;
         let loud = text.to_uppercase().repeat(params.times as usize);
         job.metric("shout.bytes", loud.len() as f64, "1");

@@ -69,7 +69,8 @@ impl From<std::io::Error> for StageError {
     fn from(error: std::io::Error) -> StageError {
         match error.kind() {
             std::io::ErrorKind::StorageFull | std::io::ErrorKind::QuotaExceeded => {
-                StageError::resource(format!("the disk is full ({error})")).hint("free some space and build again")
+                StageError::resource(format!("the disk is full ({error})"))
+                    .hint("free some space and build again")
             }
             std::io::ErrorKind::OutOfMemory => StageError::resource(error.to_string()),
             _ => StageError::internal(error.to_string()),

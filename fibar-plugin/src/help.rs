@@ -76,5 +76,7 @@ fn facts(property: &Value) -> String {
 fn example_request(description: &Description) -> String {
     let inputs = description.inputs.iter().map(|p| format!("\"{}\": [{{\"path\": \"…\"}}]", p.name));
     let inputs = inputs.collect::<Vec<_>>().join(", ");
-    format!("{{\"params\": {{}}, \"inputs\": {{{inputs}}}, \"out_dir\": \"out\", \"seed\": 1, \"threads\": 2}}")
+    format!(
+        "{{\"params\": {{}}, \"inputs\": {{{inputs}}}, \"out_dir\": \"out\", \"seed\": 1, \"threads\": 2}}"
+    )
 }

@@ -52,7 +52,9 @@ impl Job {
 
     fn inputs(&self, port: &str) -> Result<&[InputArtefact], StageError> {
         if !self.description.inputs.iter().any(|p| p.name == port) {
-            return Err(StageError::internal(format!("input `{port}` is not in the description of this stage")));
+            return Err(StageError::internal(format!(
+                "input `{port}` is not in the description of this stage"
+            )));
         }
         Ok(self.request.inputs.get(port).map_or(&[], Vec::as_slice))
     }
@@ -136,13 +138,15 @@ impl Job {
     /// Makes the folder of a tree output and says where it is.
     pub fn create_tree(&mut self, port: &str, folder: &str) -> Result<PathBuf, StageError> {
         let path = self.declare(port, folder)?;
-        std::fs::create_dir(&path)?;
+        std::fs::create_dir_all(&path)?;
         Ok(path)
     }
 
     fn declare(&mut self, port: &str, name: &str) -> Result<PathBuf, StageError> {
         if !self.description.outputs.iter().any(|p| p.name == port) {
-            return Err(StageError::internal(format!("output `{port}` is not in the description of this stage")));
+            return Err(StageError::internal(format!(
+                "output `{port}` is not in the description of this stage"
+            )));
         }
         if let Some(other) = self.outputs.insert(port.into(), name.into()) {
             return Err(StageError::internal(format!("output `{port}` was already written as {other}")));

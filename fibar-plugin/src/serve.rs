@@ -3,7 +3,9 @@
 use crate::line::Line;
 use crate::stage::{Stage, full_description};
 use crate::{Job, StageError, help};
-use fibar_core::protocol::{FailureKind, Hello, HostMessage, PROTOCOL_VERSION, PluginMessage, Request, STDIO_FLAG};
+use fibar_core::protocol::{
+    FailureKind, Hello, HostMessage, PROTOCOL_VERSION, PluginMessage, Request, STDIO_FLAG,
+};
 use std::fs::File;
 use std::io::{BufRead, BufReader};
 use std::panic::{AssertUnwindSafe, catch_unwind};

@@ -1,0 +1,104 @@
+//! Building recipes: plan, run what is missing, publish, and say what came out.
+
+mod budget;
+mod execute;
+mod observer;
+mod schedule;
+
+pub use budget::Budget;
+pub use observer::{Event, Observer, Outcome, Silent, StageName};
+pub use schedule::{Finished, predict, resolve_inputs};
+
+use crate::ledger::{self, BuildReport};
+use crate::plan::Plan;
+use crate::plugin::PluginPath;
+use crate::recipe::Override;
+use crate::store::Rot;
+use crate::{Error, Result, Store};
+use std::path::PathBuf;
+use std::time::Instant;
+
+/// A damaged store is mended by rebuilding, but not for ever.
+const MAX_ROT: usize = 16;
+
+/// What a build needs to know beside the recipes.
+pub struct BuildOptions<'a> {
+    /// Where artefacts are kept.
+    pub store: &'a Store,
+    /// Where plugins are found.
+    pub plugins: &'a PluginPath,
+    /// Values replaced from the command line.
+    pub overrides: &'a [Override],
+    /// Cores and memory to use.
+    pub budget: Budget,
+    /// Build folders are made in here.
+    pub out: PathBuf,
+    /// Whether `allow` in a recipe counts.
+    pub waivers: Waivers,
+    /// How patient the host is with plugins.
+    pub limits: crate::host::Limits,
+    /// Told what happens.
+    pub observer: &'a dyn Observer,
+    /// Whether the user wants to stop.
+    pub is_cancelled: &'a (dyn Fn() -> bool + Sync),
+}
+
+/// Whether `allow` in a recipe counts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Waivers {
+    /// Allowed violations are listed but do not fail the build.
+    Respect,
+    /// Every violation fails the build.
+    Ignore,
+}
+
+/// Plans all recipes and builds them together; nothing is run unless all make sense.
+pub fn build(recipes: &[PathBuf], options: &BuildOptions<'_>) -> Result<Vec<BuildReport>> {
+    let plans = plan_all(recipes, options)?;
+    build_plans(&plans, options)
+}
+
+/// Plans all recipes, or reports what is wrong with any of them.
+pub fn plan_all(recipes: &[PathBuf], options: &BuildOptions<'_>) -> Result<Vec<Plan>> {
+    let mut plans = Vec::new();
+    let mut failed: Option<Error> = None;
+    for recipe in recipes {
+        match Plan::make(recipe, options.overrides, options.plugins, options.store) {
+            Ok(plan) => plans.push(plan),
+            Err(error) => match &mut failed {
+                Some(failed) => {
+                    failed.class = failed.class.min(error.class);
+                    failed.findings.extend(error.findings);
+                }
+                None => failed = Some(error),
+            },
+        }
+    }
+    options.store.stats.save();
+    failed.map_or(Ok(plans), Err)
+}
+
+/// Builds plans; an artefact found damaged is rebuilt.
+pub fn build_plans(plans: &[Plan], options: &BuildOptions<'_>) -> Result<Vec<BuildReport>> {
+    let started = Instant::now();
+    for _ in 0..MAX_ROT {
+        match attempt(plans, options, started) {
+            Err(Rot::Rebuild(digest)) => options.observer.event(&Event::Rebuilding { digest }),
+            Err(Rot::Other(error)) => return Err(error),
+            Ok(reports) => return Ok(reports),
+        }
+    }
+    attempt(plans, options, started).map_err(Rot::into_error)
+}
+
+fn attempt(
+    plans: &[Plan],
+    options: &BuildOptions<'_>,
+    started: Instant,
+) -> std::result::Result<Vec<BuildReport>, Rot> {
+    let finished = schedule::run(plans, options)?;
+    let reports = plans.iter().zip(&finished);
+    let reports = reports.map(|(plan, finished)| ledger::publish(plan, finished, options, started)).collect();
+    options.store.stats.save();
+    reports
+}

@@ -1,0 +1,286 @@
+//! Which stage when: hits at once, the rest side by side as far as wires and budget allow.
+//!
+//! One coordinating thread owns all state; each running action has a thread that does nothing but wait for its plugin.
+
+use super::BuildOptions;
+use super::budget::{Free, Grant};
+use super::execute::{Execution, cancelled, look_up};
+use super::observer::{Event, Outcome, StageName};
+use crate::plan::{InputDigests, Manifest, Plan, PlannedStage};
+use crate::store::{Action, Rot};
+use crate::{Digest, Error, Store};
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, Sender, channel};
+use std::thread::Scope;
+use std::time::Instant;
+
+/// A stage with its result.
+#[derive(Debug, Clone)]
+pub struct Finished {
+    /// The key of its action.
+    pub key: Digest,
+    /// What it gave.
+    pub action: Arc<Action>,
+    /// How it came to that.
+    pub outcome: Outcome,
+    /// When it started, s after the build did.
+    pub start: f64,
+    /// How long that took in this build, s.
+    pub seconds: f64,
+    /// Cores it ran on; 0 for a hit.
+    pub cores: u32,
+}
+
+/// The digests on the input ports of a stage, once all its sources are finished.
+pub fn resolve_inputs(stage: &PlannedStage, finished: &[Option<Finished>]) -> Option<InputDigests> {
+    let mut inputs = InputDigests::new();
+    for wire in &stage.wires {
+        let digest = |source: &crate::plan::WireSource| {
+            finished[source.stage].as_ref().map(|f| f.action.outputs[&source.port].digest)
+        };
+        let digests: Option<Vec<Digest>> = wire.sources.iter().map(digest).collect();
+        inputs.insert(wire.port.clone(), digests?);
+    }
+    Some(inputs)
+}
+
+/// What the store already has of a plan: per stage, its result, or `None` for a stage that would have to run.
+pub fn predict(plan: &Plan, store: &Store) -> Vec<Option<Finished>> {
+    let mut finished: Vec<Option<Finished>> = Vec::with_capacity(plan.stages.len());
+    for stage in &plan.stages {
+        let result = resolve_inputs(stage, &finished).and_then(|inputs| {
+            let key = Manifest::of(stage, inputs).key();
+            look_up(store, stage, &key).map(|action| hit(key, action))
+        });
+        finished.push(result);
+    }
+    finished
+}
+
+fn hit(key: Digest, action: Action) -> Finished {
+    Finished { key, action: Arc::new(action), outcome: Outcome::Hit, start: 0.0, seconds: 0.0, cores: 0 }
+}
+
+/// Runs all stages of all plans that the store does not have.
+pub(super) fn run(plans: &[Plan], options: &BuildOptions<'_>) -> Result<Vec<Vec<Finished>>, Rot> {
+    options.observer.event(&Event::Planned { stages: plans.iter().map(|p| p.stages.len()).sum() });
+    let (results, arrivals) = channel();
+    std::thread::scope(|scope| {
+        let mut scheduler = Scheduler::new(plans, options, results);
+        scheduler.run(scope, &arrivals);
+        scheduler.conclude()
+    })
+}
+
+/// The result of a thread.
+struct Arrival {
+    key: Digest,
+    grant: Grant,
+    start: f64,
+    seconds: f64,
+    result: Result<(Action, Outcome), Rot>,
+}
+
+/// Where a stage stands: plan, stage.
+type Slot = (usize, usize);
+
+struct Scheduler<'a> {
+    plans: &'a [Plan],
+    options: &'a BuildOptions<'a>,
+    results: Sender<Arrival>,
+    started: Instant,
+    finished: Vec<Vec<Option<Finished>>>,
+    /// Stages whose inputs are not all there.
+    blocked: Vec<Slot>,
+    /// Stages that can run as soon as the budget allows.
+    ready: Vec<(Slot, Manifest, Digest)>,
+    /// Stages whose action is running, by key.
+    running: BTreeMap<Digest, Vec<Slot>>,
+    free: Free,
+    failures: Vec<Rot>,
+}
+
+impl<'a> Scheduler<'a> {
+    fn new(plans: &'a [Plan], options: &'a BuildOptions<'a>, results: Sender<Arrival>) -> Scheduler<'a> {
+        let slots =
+            |(p, plan): (usize, &Plan)| (0..plan.stages.len()).map(move |s| (p, s)).collect::<Vec<_>>();
+        Scheduler {
+            plans,
+            options,
+            results,
+            started: Instant::now(),
+            finished: plans.iter().map(|plan| vec![None; plan.stages.len()]).collect(),
+            blocked: plans.iter().enumerate().flat_map(slots).collect(),
+            ready: Vec::new(),
+            running: BTreeMap::new(),
+            free: Free::new(options.budget),
+            failures: Vec::new(),
+        }
+    }
+
+    fn run<'scope, 'env>(&mut self, scope: &'scope Scope<'scope, 'env>, arrivals: &Receiver<Arrival>)
+    where
+        'a: 'scope,
+    {
+        loop {
+            self.unblock();
+            if self.failures.is_empty() && !(self.options.is_cancelled)() {
+                self.launch(scope);
+            }
+            if self.running.is_empty() {
+                return;
+            }
+            if let Ok(arrival) = arrivals.recv() {
+                self.arrive(arrival);
+            }
+        }
+    }
+
+    /// Moves stages whose inputs are there to finished (hits) or ready, until nothing moves.
+    fn unblock(&mut self) {
+        loop {
+            let before = self.blocked.len();
+            for (p, s) in std::mem::take(&mut self.blocked) {
+                let stage = &self.plans[p].stages[s];
+                match resolve_inputs(stage, &self.finished[p]) {
+                    Some(inputs) => self.look_up((p, s), Manifest::of(stage, inputs)),
+                    None => self.blocked.push((p, s)),
+                }
+            }
+            if self.blocked.len() == before || self.blocked.is_empty() {
+                return;
+            }
+        }
+    }
+
+    fn look_up(&mut self, slot: Slot, manifest: Manifest) {
+        let key = manifest.key();
+        if let Some(waiting) = self.running.get_mut(&key) {
+            waiting.push(slot);
+        } else if let Some(action) = look_up(self.options.store, &self.plans[slot.0].stages[slot.1], &key) {
+            let name = self.name(slot);
+            let (outcome, seconds) = (Outcome::Hit, 0.0);
+            self.options.observer.event(&Event::Finished { stage: name, outcome, seconds });
+            self.finished[slot.0][slot.1] = Some(hit(key, action));
+        } else {
+            self.ready.push((slot, manifest, key));
+        }
+    }
+
+    fn name(&self, (p, s): Slot) -> StageName<'a> {
+        StageName { build: &self.plans[p].name, stage: &self.plans[p].stages[s].id }
+    }
+
+    /// Starts ready stages while the budget lasts; stages with the same key share one run.
+    fn launch<'scope, 'env>(&mut self, scope: &'scope Scope<'scope, 'env>)
+    where
+        'a: 'scope,
+    {
+        let mut waiting = self.ready.iter().map(|(_, _, key)| *key).collect::<BTreeSet<_>>().len();
+        for (slot, manifest, key) in std::mem::take(&mut self.ready) {
+            if let Some(sharing) = self.running.get_mut(&key) {
+                sharing.push(slot);
+                continue;
+            }
+            let stage = &self.plans[slot.0].stages[slot.1];
+            match self.free.take(&stage.plugin.description.resources, waiting) {
+                Some(grant) => {
+                    self.running.insert(key, vec![slot]);
+                    self.spawn(scope, slot, manifest, key, grant);
+                }
+                None => self.ready.push((slot, manifest, key)),
+            }
+            waiting = waiting.saturating_sub(1);
+        }
+    }
+
+    fn spawn<'scope, 'env>(
+        &self,
+        scope: &'scope Scope<'scope, 'env>,
+        slot: Slot,
+        manifest: Manifest,
+        key: Digest,
+        grant: Grant,
+    ) where
+        'a: 'scope,
+    {
+        let name = self.name(slot);
+        self.options.observer.event(&Event::Started { stage: name, cores: grant.cores });
+        let stage = &self.plans[slot.0].stages[slot.1];
+        let trees = self.input_trees(slot);
+        let execution = Execution { options: self.options, name, stage, manifest, key, trees, grant };
+        let (results, started) = (self.results.clone(), self.started);
+        scope.spawn(move || {
+            let start = started.elapsed().as_secs_f64();
+            let result = execution.execute();
+            let seconds = started.elapsed().as_secs_f64() - start;
+            // The coordinator outlives all threads of the scope.
+            let _ = results.send(Arrival { key, grant, start, seconds, result });
+        });
+    }
+
+    fn input_trees(&self, (p, s): Slot) -> Vec<Digest> {
+        let sources = self.plans[p].stages[s].wires.iter().flat_map(|wire| &wire.sources);
+        let outputs = sources.filter_map(|source| {
+            let finished = self.finished[p][source.stage].as_ref()?;
+            finished.action.outputs.get(&source.port)
+        });
+        outputs.filter(|output| output.tree).map(|output| output.digest).collect()
+    }
+
+    fn arrive(&mut self, arrival: Arrival) {
+        let Arrival { key, grant, start, seconds, result } = arrival;
+        self.free.give_back(grant);
+        let slots = self.running.remove(&key).unwrap_or_default();
+        let (action, outcome) = match result {
+            Ok((action, outcome)) => (Arc::new(action), outcome),
+            Err(failure) => {
+                for slot in slots {
+                    self.options.observer.event(&Event::Failed { stage: self.name(slot) });
+                }
+                self.failures.push(failure);
+                return;
+            }
+        };
+        for (i, slot) in slots.into_iter().enumerate() {
+            let outcome = if i == 0 { outcome } else { Outcome::Shared };
+            let cores = if outcome == Outcome::Executed { grant.cores } else { 0 };
+            self.options.observer.event(&Event::Finished { stage: self.name(slot), outcome, seconds });
+            let action = Arc::clone(&action);
+            self.finished[slot.0][slot.1] = Some(Finished { key, action, outcome, start, seconds, cores });
+        }
+    }
+
+    /// All results, or what went wrong: real errors before rot, rot before cancellation.
+    fn conclude(self) -> Result<Vec<Vec<Finished>>, Rot> {
+        let mut errors: Vec<Error> = Vec::new();
+        for failure in self.failures {
+            match failure {
+                Rot::Rebuild(digest) if errors.is_empty() => return Err(Rot::Rebuild(digest)),
+                Rot::Rebuild(_) => {}
+                Rot::Other(error) => errors.push(error),
+            }
+        }
+        if let Some(error) = merge(errors) {
+            return Err(Rot::Other(error));
+        }
+        let complete = |plan: Vec<Option<Finished>>| plan.into_iter().collect::<Option<Vec<_>>>();
+        let all: Option<Vec<_>> = self.finished.into_iter().map(complete).collect();
+        all.ok_or_else(|| Rot::Other(cancelled()))
+    }
+}
+
+fn merge(errors: Vec<Error>) -> Option<Error> {
+    errors.into_iter().reduce(|mut first, next| {
+        if next.class != crate::Class::Cancelled {
+            if first.class == crate::Class::Cancelled {
+                first.findings.clear();
+                first.class = next.class;
+            }
+            first.class = first.class.max(next.class);
+            first.findings.extend(next.findings);
+        }
+        first
+    })
+}

@@ -1,0 +1,75 @@
+//! From recipe to plan: every stage with its plugin, complete parameters and wires, or all mistakes at once.
+
+mod key;
+mod load;
+mod schema;
+mod wire;
+
+pub use key::{InputDigests, Manifest};
+pub use wire::{Wire, WireSource};
+
+use crate::plugin::{Plugin, PluginPath};
+use crate::recipe::{Node, Override};
+use crate::{Digest, Result, Store};
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// What to build: a recipe that makes sense, ready to run.
+#[derive(Debug)]
+pub struct Plan {
+    /// The recipe file, as the user named it.
+    pub recipe: PathBuf,
+    /// The name of the object and its build folder.
+    pub name: String,
+    /// In an order in which every stage comes after the stages it takes inputs from.
+    pub stages: Vec<PlannedStage>,
+}
+
+/// A stage that is ready to run once its inputs are there.
+#[derive(Debug)]
+pub struct PlannedStage {
+    /// Unique in the plan.
+    pub id: String,
+    /// What runs.
+    pub plugin: Arc<Plugin>,
+    /// Complete parameters; files are still `null`.
+    pub params: Value,
+    /// Files that parameters name.
+    pub files: Vec<FileInput>,
+    /// For seeded stages.
+    pub seed: Option<u64>,
+    /// Verification rules that may be broken.
+    pub allow: Vec<String>,
+    /// One per input port, in the order of the description.
+    pub wires: Vec<Wire>,
+    /// The table of the recipe, for places.
+    pub node: Node,
+    /// Where `use` has its value.
+    pub use_node: Node,
+}
+
+/// A file named by a parameter.
+#[derive(Debug, Clone)]
+pub struct FileInput {
+    /// JSON pointer into the parameters.
+    pub pointer: String,
+    /// Where the file is.
+    pub path: PathBuf,
+    /// Of its bytes when the plan was made.
+    pub digest: Digest,
+    /// The lower-case extension of its name, which the copy keeps; may be empty.
+    pub extension: String,
+}
+
+impl Plan {
+    /// Plans a recipe without running any stage.
+    pub fn make(recipe: &Path, overrides: &[Override], plugins: &PluginPath, store: &Store) -> Result<Plan> {
+        load::load(recipe, overrides, plugins, store)
+    }
+
+    /// The stage with an id.
+    pub fn stage(&self, id: &str) -> Option<&PlannedStage> {
+        self.stages.iter().find(|stage| stage.id == id)
+    }
+}

@@ -1,0 +1,89 @@
+//! Plugins: where they are, what they say about themselves, which bytes they are.
+
+mod find;
+
+pub use find::PluginPath;
+
+use crate::error::IoContext;
+use crate::host::{self, Limits};
+use crate::{Class, Digest, Error, Result, Store};
+use fibar_core::diagnostic::Diagnostic;
+use fibar_core::protocol::Description;
+use std::path::{Path, PathBuf};
+
+/// A plugin that was found and described.
+#[derive(Debug, Clone)]
+pub struct Plugin {
+    /// Its name.
+    pub name: String,
+    /// The executable.
+    pub executable: PathBuf,
+    /// Of the executable and the runtime files it declares; enters the key of every action.
+    pub digest: Digest,
+    /// What it says about itself.
+    pub description: Description,
+}
+
+impl Plugin {
+    /// Describes an executable, from the store when these very bytes were described before.
+    pub fn load(name: &str, executable: &Path, store: &Store) -> Result<Plugin> {
+        let (own, _) = store.stats.digest_of(executable).context("read the plugin", executable)?;
+        let cache = store.description_path(name, &own);
+        let known = std::fs::read(&cache).ok().and_then(|bytes| serde_json::from_slice(&bytes).ok());
+        let description: Description = match known {
+            Some(description) => description,
+            None => {
+                let description = host::describe(executable, &Limits::default())?;
+                check_description(name, &description)?;
+                let bytes = serde_json::to_vec(&description).expect("a description is plain data");
+                store.publish_bytes(&cache, &bytes)?;
+                description
+            }
+        };
+        let digest = whole_digest(own, executable, &description, store)?;
+        Ok(Plugin { name: name.into(), executable: executable.to_owned(), digest, description })
+    }
+}
+
+/// The digest of executable and runtime files together.
+fn whole_digest(own: Digest, executable: &Path, description: &Description, store: &Store) -> Result<Digest> {
+    if description.runtime_files.is_empty() {
+        return Ok(own);
+    }
+    let folder = executable.parent().unwrap_or(Path::new("."));
+    let mut listing = own.to_string();
+    for file in &description.runtime_files {
+        let path = folder.join(file);
+        let (digest, _) = store.stats.digest_of(&path).context("read the plugin's file", &path)?;
+        listing.push_str(&format!("\n{digest} {file}"));
+    }
+    Ok(Digest::of(listing.as_bytes()))
+}
+
+/// What every description has to get right, whoever wrote the plugin.
+fn check_description(name: &str, description: &Description) -> Result<()> {
+    let mut faults = Vec::new();
+    if description.name != name {
+        faults.push(format!("it calls itself `{}`", description.name));
+    }
+    if !description.params.is_object() && !description.params.is_null() {
+        faults.push("its parameters are not a JSON Schema object".into());
+    }
+    let reserved = |key: &&str| !description.params["properties"][*key].is_null();
+    let reserved = crate::recipe::STAGE_KEYS.into_iter().filter(reserved);
+    faults.extend(reserved.map(|key| format!("its parameter `{key}` is a word of the recipe")));
+    for ports in [
+        description.inputs.iter().map(|p| &p.name).collect::<Vec<_>>(),
+        description.outputs.iter().map(|p| &p.name).collect::<Vec<_>>(),
+    ] {
+        let twice = ports.iter().enumerate().find(|(i, name)| ports[..*i].contains(name));
+        faults.extend(twice.map(|(_, name)| format!("two of its ports are called `{name}`")));
+        let odd = ports.iter().find(|name| name.is_empty() || name.contains(['/', '\\', '.', '\0']));
+        faults.extend(odd.map(|name| format!("{name:?} is no name for a port")));
+    }
+    if faults.is_empty() {
+        return Ok(());
+    }
+    let message = format!("plugin `{name}` describes itself wrongly: {}", faults.join("; "));
+    Err(Error::new(Class::Plugin, Diagnostic::error(message)))
+}
