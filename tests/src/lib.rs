@@ -1,1 +1,22 @@
-//! End-to-end tests of fibar.
+//! What end-to-end tests share: the compiled program, real builds of recipes, other people's readers.
+//!
+//! `cargo xtask test` compiles the program and all plugins first and sets `FIBAR_BIN` to their folder and `FIBAR_PEERS` to
+//! that of the peers.
+
+mod build;
+mod peer;
+
+pub use build::{Build, Outcome, Workshop};
+pub use peer::Peer;
+
+use std::path::{Path, PathBuf};
+
+/// The checkout.
+pub fn checkout() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("the tests live one folder below the root")
+}
+
+/// Folder of the compiled program and plugins.
+pub fn executables() -> PathBuf {
+    std::env::var_os("FIBAR_BIN").map_or_else(|| checkout().join("target/release"), PathBuf::from)
+}
