@@ -1,0 +1,44 @@
+//! The solids as they go into the file.
+
+use crate::precision::SingleMesh;
+use fibar_core::artefact::Document;
+use fibar_core::artefact::mesh::TriangleMesh;
+use fibar_core::artefact::solids::{INDEX_FILE, Solid, Solids};
+use fibar_core::material::Role;
+use fibar_plugin::StageError;
+use rayon::prelude::*;
+use std::path::Path;
+
+/// One solid with its mesh in single precision.
+pub struct Part {
+    /// `core-led0`, `skin`, …
+    pub name: String,
+    /// Decides material and extruder.
+    pub role: Role,
+    /// The mesh.
+    pub mesh: SingleMesh,
+}
+
+/// Reads a tree of solids, in the order of its index; solids without triangles are left out.
+pub fn read_all(tree: &Path) -> Result<Vec<Part>, StageError> {
+    let index = Solids::from_json(&std::fs::read(tree.join(INDEX_FILE))?)?;
+    let parts: Result<Vec<Part>, StageError> = index.solids.par_iter().map(|s| read(tree, s)).collect();
+    let mut parts = parts?;
+    parts.retain(|part| !part.mesh.triangles.is_empty());
+    if parts.is_empty() {
+        return Err(StageError::input("there is no solid to write"));
+    }
+    Ok(parts)
+}
+
+fn read(tree: &Path, solid: &Solid) -> Result<Part, StageError> {
+    let mesh = TriangleMesh::from_ply(&std::fs::read(tree.join(&solid.file))?)?;
+    Ok(Part { name: solid.name(), role: solid.role, mesh: SingleMesh::of(&mesh) })
+}
+
+impl Part {
+    /// Place of the role among the base materials.
+    pub fn material_index(&self) -> usize {
+        Role::ALL.iter().position(|role| *role == self.role).expect("ALL holds every role")
+    }
+}
