@@ -12,11 +12,9 @@ manifold::vec3 vec3_of(Point p) { return {p.x, p.y, p.z}; }
 
 Point point_of(manifold::vec3 v) { return {v.x, v.y, v.z}; }
 
-// Forces the evaluation here, where an exception still becomes an error.
-Handle evaluated(Manifold&& solid) {
-  solid.Status();
-  return std::make_unique<Manifold>(std::move(solid));
-}
+// Forces the evaluation here, where an exception still becomes an error. The result counts as an original: the marks of
+// the meshes it was made of come from one counter for all threads, and their order would show in the order of triangles.
+Handle evaluated(Manifold&& solid) { return std::make_unique<Manifold>(solid.AsOriginal()); }
 
 }  // namespace
 
@@ -47,14 +45,9 @@ Buffers mesh_of(const Manifold& solid) {
   for (std::size_t vertex = 0; vertex < mesh.NumVert(); ++vertex) {
     for (std::size_t k = 0; k < 3; ++k) buffers.vertices.push_back(mesh.vertProperties[vertex * stride + k]);
   }
-  // One vertex per place: those split between input meshes are named by the merge vectors.
-  std::vector<std::uint32_t> kept(mesh.NumVert());
-  for (std::size_t vertex = 0; vertex < kept.size(); ++vertex) kept[vertex] = static_cast<std::uint32_t>(vertex);
-  for (std::size_t k = 0; k < mesh.mergeFromVert.size(); ++k) {
-    kept[mesh.mergeFromVert[k]] = static_cast<std::uint32_t>(mesh.mergeToVert[k]);
-  }
-  buffers.triangles.reserve(mesh.triVerts.size());
-  for (const std::uint64_t vertex : mesh.triVerts) buffers.triangles.push_back(kept[vertex]);
+  // Solids without properties have one vertex per place, so that there is nothing to merge.
+  if (!mesh.mergeFromVert.empty()) throw std::logic_error("a solid's vertices were split");
+  for (const std::uint64_t vertex : mesh.triVerts) buffers.triangles.push_back(static_cast<std::uint32_t>(vertex));
   return buffers;
 }
 

@@ -7,9 +7,20 @@
 
 mod solid;
 
-mod error;
+mod inset;
+mod tube;
+
+mod ball;
+mod grid;
+mod polyline;
 
 mod bridge;
+mod error;
 
+pub use ball::{ball_corners, ball_frequency};
 pub use error::SolidError;
+pub use grid::Grid;
+pub use inset::{InsetOptions, inset};
+pub use polyline::{PolylineOptions, polyline};
 pub use solid::Solid;
+pub use tube::{Axis, AxisOptions};

@@ -40,7 +40,7 @@ impl Solid {
         let buffers = ffi::mesh_of(&self.0)?;
         let vertices = buffers.vertices.chunks_exact(3).map(DVec3::from_slice).collect();
         let triangles = buffers.triangles.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect();
-        Ok(drop_unused_vertices(TriangleMesh { vertices, triangles }))
+        Ok(TriangleMesh { vertices, triangles })
     }
 
     /// Whether it encloses nothing.
@@ -155,19 +155,4 @@ fn checked(made: Result<UniquePtr<ffi::Manifold>, cxx::Exception>) -> Result<Sol
         None => Ok(Solid(solid)),
         Some(error) => Err(error),
     }
-}
-
-/// Without the vertices that were merged away, order kept.
-fn drop_unused_vertices(mesh: TriangleMesh) -> TriangleMesh {
-    let mut used = vec![false; mesh.vertices.len()];
-    mesh.triangles.iter().flatten().for_each(|&v| used[v as usize] = true);
-    let mut next = 0;
-    let number = |&is_used: &bool| {
-        next += u32::from(is_used);
-        next.wrapping_sub(1)
-    };
-    let renumbered: Vec<u32> = used.iter().map(number).collect();
-    let triangles = mesh.triangles.iter().map(|t| t.map(|v| renumbered[v as usize])).collect();
-    let vertices = mesh.vertices.into_iter().zip(used).filter_map(|(v, keep)| keep.then_some(v)).collect();
-    TriangleMesh { vertices, triangles }
 }

@@ -2,7 +2,7 @@
 
 use fibar_core::artefact::mesh::TriangleMesh;
 use glam::{DMat3, DVec3};
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 /// How a mesh is brought into the frame of the object.
 pub struct Placement {
@@ -16,39 +16,29 @@ pub struct Placement {
     pub fit_mm: Option<DVec3>,
 }
 
-/// Length of a 1 in the file.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize, schemars::JsonSchema)]
+/// Length of a 1 in the file; an inch is 25.4 mm.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize, schemars::JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Unit {
-    /// Millimetre.
     Mm,
-    /// Centimetre.
     Cm,
-    /// Metre.
     M,
-    /// Inch of 25.4 mm.
     Inch,
 }
 
 /// An axis with its sign.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize, schemars::JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize, schemars::JsonSchema)]
 pub enum Direction {
-    /// +X.
     #[serde(rename = "+x")]
     PlusX,
-    /// −X.
     #[serde(rename = "-x")]
     MinusX,
-    /// +Y.
     #[serde(rename = "+y")]
     PlusY,
-    /// −Y.
     #[serde(rename = "-y")]
     MinusY,
-    /// +Z.
     #[serde(rename = "+z")]
     PlusZ,
-    /// −Z.
     #[serde(rename = "-z")]
     MinusZ,
 }
