@@ -204,3 +204,27 @@ pub(super) fn order(wires: &[Vec<Wire>]) -> Result<Vec<usize>, Vec<usize>> {
     }
     Ok(order)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Stage i takes inputs from the stages listed at i.
+    #[track_caller]
+    fn check_order(sources: &[&[usize]], expected: Result<&[usize], &[usize]>) {
+        let source = |&stage: &usize| WireSource { stage, port: "out".into() };
+        let wire = |from: &&[usize]| Wire { port: "in".into(), sources: from.iter().map(source).collect() };
+        let wires: Vec<Vec<Wire>> = sources.iter().map(|from| vec![wire(from)]).collect();
+        let found = order(&wires);
+        assert_eq!(found.as_deref().map_err(Vec::as_slice), expected, "{sources:?}");
+    }
+
+    #[test]
+    fn stages_follow_their_sources_and_cycles_are_named() {
+        check_order(&[], Ok(&[]));
+        check_order(&[&[], &[0], &[0, 1]], Ok(&[0, 1, 2]));
+        check_order(&[&[2], &[], &[1]], Ok(&[1, 2, 0]));
+        check_order(&[&[], &[2], &[1]], Err(&[1, 2]));
+        check_order(&[&[0]], Err(&[0]));
+    }
+}

@@ -18,12 +18,14 @@ impl PluginPath {
             folders.push(own.join("../libexec/fibar"));
             folders.insert(given.len(), own);
         }
-        PluginPath { folders }
+        PluginPath::only(folders)
     }
 
     /// Only the given folders.
     pub fn only(folders: Vec<PathBuf>) -> PluginPath {
-        PluginPath { folders }
+        // Stages run in folders of their own, so a relative path would lead elsewhere there.
+        let absolute = |folder: PathBuf| std::path::absolute(&folder).unwrap_or(folder);
+        PluginPath { folders: folders.into_iter().map(absolute).collect() }
     }
 
     /// The folders, in order.

@@ -19,6 +19,10 @@ pub(super) fn read(path: &Path, changes: &[Override]) -> crate::Result<Reading> 
     let folder = path.parent().unwrap_or(Path::new("")).to_owned();
     let source = Arc::new(Source { text: SourceText::new(path.display().to_string(), text), folder });
     let (root, findings) = Node::parse_file(&source);
+    if !findings.is_empty() {
+        // What follows from a broken line is noise.
+        return Err(crate::Error { class: crate::Class::Recipe, findings });
+    }
     let mut reader = Reader { findings };
     reader.check_keys(&root, &TOP_KEYS, "a recipe");
     reader.check_format(&root);

@@ -1,0 +1,109 @@
+//! A workbench: a folder with plugins, a store, recipes and a build folder.
+
+use fibar_engine::build::{self, Budget, BuildOptions, Silent, Waivers};
+use fibar_engine::ledger::BuildReport;
+use fibar_engine::plugin::PluginPath;
+use fibar_engine::{Result, Store};
+use std::path::{Path, PathBuf};
+use tempfile::TempDir;
+
+/// The stages of `examples/demo-stages.rs`.
+const STAGES: [&str; 4] = ["make-text", "upper-text", "bind-text", "verify-text"];
+
+pub struct Bench {
+    folder: TempDir,
+    pub waivers: Waivers,
+    pub cores: u32,
+}
+
+/// A recipe of all demo stages, with `extra` lines for each: make, upper, bind, verify.
+pub fn book(make: &str, upper: &str, verify: &str) -> String {
+    format!(
+        "fibar = 1\n[object]\nname = \"book\"\n\
+         [[stage]]\nuse = \"make-text\"\n{make}\n\
+         [[stage]]\nuse = \"upper-text\"\n{upper}\n\
+         [[stage]]\nuse = \"bind-text\"\n\
+         [[stage]]\nuse = \"verify-text\"\n{verify}\n"
+    )
+}
+
+impl Bench {
+    pub fn new() -> Bench {
+        let folder = TempDir::new().unwrap();
+        std::fs::create_dir(folder.path().join("plugins")).unwrap();
+        let executable = std::env::current_exe().unwrap();
+        let stages = executable.parent().unwrap().join("../examples/demo-stages");
+        for name in STAGES {
+            std::fs::copy(&stages, folder.path().join("plugins").join(name)).unwrap();
+        }
+        Bench { folder, waivers: Waivers::Respect, cores: 2 }
+    }
+
+    pub fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    pub fn write(&self, name: &str, text: &str) -> PathBuf {
+        let path = self.path(name);
+        std::fs::write(&path, text).unwrap();
+        path
+    }
+
+    pub fn read(&self, name: &str) -> String {
+        std::fs::read_to_string(self.path(name)).unwrap()
+    }
+
+    pub fn store(&self) -> Store {
+        Store::open(&self.path("store")).unwrap()
+    }
+
+    /// Builds a recipe text.
+    pub fn build(&self, recipe: &str) -> Result<BuildReport> {
+        self.build_with(recipe, &[], &|| false)
+    }
+
+    pub fn build_with(
+        &self,
+        recipe: &str,
+        set: &[&str],
+        is_cancelled: &(dyn Fn() -> bool + Sync),
+    ) -> Result<BuildReport> {
+        let path = self.write("recipe.toml", recipe);
+        let overrides: Vec<_> = set.iter().map(|text| text.parse().unwrap()).collect();
+        let reports = build::build(
+            &[path],
+            &BuildOptions {
+                store: &self.store(),
+                plugins: &PluginPath::only(vec![self.path("plugins")]),
+                overrides: &overrides,
+                budget: Budget { cores: self.cores, memory_mb: 4096 },
+                out: self.path("build"),
+                waivers: self.waivers,
+                limits: Default::default(),
+                observer: &Silent,
+                is_cancelled,
+            },
+        );
+        reports.map(|mut reports| reports.remove(0))
+    }
+
+    /// The ids of the stages that a build of the recipe runs.
+    #[track_caller]
+    pub fn runs(&self, recipe: &str, expected: &[&str]) {
+        let report = self.build(recipe).unwrap_or_else(|e| panic!("{e}"));
+        let ran = report.stages.iter().filter(|s| s.outcome == build::Outcome::Executed);
+        assert_eq!(ran.map(|s| s.id.as_str()).collect::<Vec<_>>(), expected);
+    }
+
+    /// Sorted names of a folder.
+    pub fn list(&self, folder: &str) -> Vec<String> {
+        list(&self.path(folder))
+    }
+}
+
+pub fn list(folder: &Path) -> Vec<String> {
+    let Ok(entries) = std::fs::read_dir(folder) else { return Vec::new() };
+    let mut names: Vec<_> = entries.map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
+    names.sort();
+    names
+}

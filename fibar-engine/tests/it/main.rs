@@ -1,0 +1,8 @@
+//! What users see of the engine, one file per promise.
+
+#![allow(clippy::unwrap_used, missing_docs, reason = "tests")]
+
+mod bench;
+mod caching;
+mod mistakes;
+mod publishing;
