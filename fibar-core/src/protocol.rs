@@ -227,7 +227,10 @@ mod tests {
     #[test]
     fn hello_of_the_future_is_readable() {
         let hello = Hello { protocol: 99, name: "x 7".into(), features: vec![] };
-        check(r#"{"type":"hello","protocol":99,"name":"x 7","dialect":"klingon"}"#, PluginMessage::Hello(hello));
+        check(
+            r#"{"type":"hello","protocol":99,"name":"x 7","dialect":"klingon"}"#,
+            PluginMessage::Hello(hello),
+        );
     }
 
     #[test]

@@ -156,7 +156,12 @@ impl Description {
 
     /// An output for later stages only.
     pub fn output(mut self, name: &str, kind: &str, doc: &str) -> Description {
-        self.outputs.push(OutputPort { name: name.into(), kind: kind.into(), doc: doc.into(), publish: None });
+        self.outputs.push(OutputPort {
+            name: name.into(),
+            kind: kind.into(),
+            doc: doc.into(),
+            publish: None,
+        });
         self
     }
 
