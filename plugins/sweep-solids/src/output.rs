@@ -1,0 +1,39 @@
+//! The solids as files, on the grid that every export keeps.
+
+use crate::partition::{Part, Partition};
+use fibar_core::artefact::Document;
+use fibar_core::artefact::solids::{INDEX_FILE, Solid as SolidEntry, Solids};
+use fibar_plugin::{Job, StageError};
+use fibar_solid::{Grid, Solid};
+use rayon::prelude::*;
+use std::path::Path;
+
+/// Writes the tree of solids.
+pub fn write(partition: Partition, skin_mm: f64, grid: Grid, job: &mut Job) -> Result<(), StageError> {
+    let folder = job.create_tree("solids", "solids")?;
+    let written: Vec<(SolidEntry, usize)> =
+        partition.parts.par_iter().map(|part| write_part(part, grid, &folder)).collect::<Result<_, _>>()?;
+    job.metric("sweep.triangles", written.iter().map(|(_, triangles)| *triangles as f64).sum(), "1");
+    job.metric("sweep.solids", written.len() as f64, "1");
+    let entries = written.into_iter().map(|(entry, _)| entry).collect();
+    std::fs::write(folder.join(INDEX_FILE), Solids::new(skin_mm, entries).to_json())?;
+    Ok(())
+}
+
+/// Writes one solid; returns its entry and number of triangles.
+fn write_part(part: &Part, grid: Grid, folder: &Path) -> Result<(SolidEntry, usize), StageError> {
+    let mut entry = SolidEntry {
+        role: part.role,
+        led: part.owner.map(|(led, _)| led),
+        pattern: part.owner.map(|(_, pattern)| pattern),
+        file: String::new(),
+        volume_mm3: 0.0,
+    };
+    entry.file = format!("{}.ply", entry.name());
+    let failed = |error| StageError::internal(format!("{}: {error}", entry.name()));
+    let mut mesh = part.solid.to_mesh().map_err(failed)?;
+    grid.snap_mesh(&mut mesh);
+    entry.volume_mm3 = Solid::from_mesh(&mesh).map_err(failed)?.volume();
+    std::fs::write(folder.join(&entry.file), mesh.to_ply())?;
+    Ok((entry, mesh.triangles.len()))
+}
