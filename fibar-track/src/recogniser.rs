@@ -1,0 +1,179 @@
+//! Our recognition: names and pose at once, from any side and at any roll.
+//!
+//! Three blobs whose patterns are known can only be some markers of those patterns. For each such choice P3P (see `p3p`)
+//! gives up to four poses, and every pose is judged by what it explains: blobs where it puts markers of their
+//! pattern speak for it, markers that it shows and nobody sees speak against it. No neighbourhood is needed, so nothing
+//! is lost when markers are missing.
+//!
+//! When to stop is decided a contrario (Desolneux, Moisan & Morel, "From Gestalt Theory to Image Analysis", 2008; Moisan
+//! & Stival, IJCV 2004, for correspondences): a pose is certain when chance would hardly have made any of all the
+//! poses tried explain so many blobs.
+
+use crate::camera::Camera;
+use crate::consensus::Estimate;
+use crate::judge::{Judge, Judgement};
+use crate::model::{Blob, Model};
+use crate::p3p;
+use crate::pose::Pose;
+use crate::refinement::{Correspondence, refine};
+use crate::triples::{Triple, choose_triples};
+use crate::twin::{better_of_twins, twin};
+
+/// How to recognise.
+#[derive(Clone, Copy, Debug)]
+pub struct RecogniserOptions {
+    /// How far a blob may lie from where a refined pose puts its marker, px.
+    pub gate_px: f64,
+    /// The same for the raw pose of three blobs, which their noise turns, px.
+    pub raw_gate_px: f64,
+    /// A pose is certain below this expected number of poses that would look as good by chance.
+    pub max_false_alarms: f64,
+    /// Triples of blobs tried at most.
+    pub max_triples: usize,
+}
+
+impl Default for RecogniserOptions {
+    fn default() -> RecogniserOptions {
+        RecogniserOptions { gate_px: 3.0, raw_gate_px: 8.0, max_false_alarms: 1e-4, max_triples: 40 }
+    }
+}
+
+/// What an image shows.
+#[derive(Clone, Debug)]
+pub struct Recognition {
+    /// Each blob's marker, by index.
+    pub names: Vec<Option<usize>>,
+    /// The pose, with indices of blobs as inliers.
+    pub estimate: Option<Estimate>,
+    /// Expected number of poses that would look as good by chance: certain well below 1, a guess above.
+    pub false_alarms: f64,
+}
+
+/// Names the blobs and finds the pose that explains them best.
+pub fn recognise(model: &Model, camera: &Camera, blobs: &[Blob], options: &RecogniserOptions) -> Recognition {
+    let mut search = Search { judge: Judge::new(model, camera, blobs), options, best: None, tried: 0 };
+    for triple in choose_triples(model, blobs, options.max_triples) {
+        search.try_triple(&triple);
+        if search.is_certain() {
+            break;
+        }
+    }
+    search.conclude()
+}
+
+struct Search<'a> {
+    judge: Judge<'a>,
+    options: &'a RecogniserOptions,
+    best: Option<Candidate>,
+    tried: usize,
+}
+
+struct Candidate {
+    pose: Pose,
+    judgement: Judgement,
+}
+
+impl Search<'_> {
+    /// Tries all markers that the three blobs could be, until the pose is certain.
+    fn try_triple(&mut self, triple: &Triple) {
+        let Judge { model, camera, blobs, .. } = self.judge;
+        let bearings = triple.blobs.map(|k| camera.bearing(blobs[k].at));
+        let [first, second, third] = triple.blobs.map(|k| model.of_pattern(blobs[k].pattern));
+        for &a in first {
+            for &b in second.iter().filter(|b| **b != a) {
+                for &c in third.iter().filter(|c| **c != a && **c != b) {
+                    let points = [a, b, c].map(|k| model.markers()[k].position);
+                    for pose in p3p::solve(bearings, points).iter() {
+                        self.try_pose(pose, [a, b, c]);
+                    }
+                }
+            }
+            if self.is_certain() {
+                return;
+            }
+        }
+    }
+
+    /// Judges a raw pose; one that explains enough is refined and judged again.
+    fn try_pose(&mut self, pose: &Pose, sample: [usize; 3]) {
+        self.tried += 1;
+        let Judge { model, camera, .. } = self.judge;
+        if sample.iter().any(|&marker| model.project(camera, pose, marker).is_none()) {
+            return;
+        }
+        let wanted = self.best.as_ref().map_or(3, |best| best.judgement.explained.saturating_sub(1).max(3));
+        if self.judge.explains(pose, self.options.raw_gate_px, wanted) {
+            let (pose, judgement) = self.polish(pose);
+            self.keep(pose, judgement);
+        }
+    }
+
+    fn keep(&mut self, pose: Pose, judgement: Judgement) {
+        if self.best.as_ref().is_none_or(|best| judgement.merit > best.judgement.merit) {
+            self.best = Some(Candidate { pose, judgement });
+        }
+    }
+
+    /// Refines a pose on the blobs that it explains, from the wide gate to the narrow one.
+    fn polish(&self, pose: &Pose) -> (Pose, Judgement) {
+        let mut pose = *pose;
+        for gate_px in [self.options.raw_gate_px, self.options.gate_px] {
+            let seen = self.explained(&pose, gate_px);
+            if seen.len() > 3
+                && let Some(fit) = refine(self.judge.camera, &pose, &seen, 5)
+            {
+                pose = fit.pose;
+            }
+        }
+        (pose, self.judge.judge(&pose, self.options.gate_px))
+    }
+
+    fn explained(&self, pose: &Pose, gate_px: f64) -> Vec<Correspondence> {
+        let Judge { model, camera, blobs, .. } = self.judge;
+        let names = model.name(camera, pose, blobs, gate_px);
+        let pair = |(blob, name): (&Blob, &Option<usize>)| {
+            name.map(|k| Correspondence { point: model.markers()[k].position, pixel: blob.at })
+        };
+        blobs.iter().zip(&names).filter_map(pair).collect()
+    }
+
+    fn is_certain(&self) -> bool {
+        self.best.as_ref().is_some_and(|best| self.false_alarms(best) < self.options.max_false_alarms)
+    }
+
+    fn false_alarms(&self, best: &Candidate) -> f64 {
+        self.judge.false_alarms(&best.judgement, self.tried, self.options.gate_px)
+    }
+
+    /// The best pose against its mirror twin, refined, and the names it gives.
+    fn conclude(mut self) -> Recognition {
+        let unnamed = vec![None; self.judge.blobs.len()];
+        let Some(first) = &self.best else {
+            return Recognition { names: unnamed, estimate: None, false_alarms: f64::INFINITY };
+        };
+        let seen = self.explained(&first.pose, self.options.gate_px);
+        let (pose, judgement) = self.polish(&twin(&first.pose, &seen));
+        self.keep(pose, judgement);
+        let best = self.best.as_ref().expect("kept above");
+        let Judge { model, camera, blobs, .. } = self.judge;
+        let names = model.name(camera, &best.pose, blobs, self.options.gate_px);
+        Recognition {
+            estimate: self.estimate(&best.pose, &names),
+            false_alarms: self.false_alarms(best),
+            names,
+        }
+    }
+
+    fn estimate(&self, pose: &Pose, names: &[Option<usize>]) -> Option<Estimate> {
+        let seen = self.explained(pose, self.options.gate_px);
+        let fit = refine(self.judge.camera, pose, &seen, 10)?;
+        let (_, twin_margin) = better_of_twins(self.judge.camera, fit, &seen, 10);
+        Some(Estimate {
+            pose: fit.pose,
+            inliers: (0..names.len()).filter(|&k| names[k].is_some()).collect(),
+            rms_px: (fit.error_px2 / seen.len() as f64).sqrt(),
+            uncertainty: fit.uncertainty,
+            twin_margin,
+        })
+    }
+}
