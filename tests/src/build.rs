@@ -124,6 +124,14 @@ impl Build {
         metrics[name]["value"].as_f64().unwrap_or_else(|| panic!("no metric {name} in {metrics:#}"))
     }
 
+    /// How many stages the build executed, by its own timings.
+    #[track_caller]
+    pub fn executed(&self) -> usize {
+        let timings: Value = serde_json::from_slice(&self.read("timings.json")).expect("timings.json is JSON");
+        let stages = timings["stages"].as_array().expect("timings.json lists the stages");
+        stages.iter().filter(|stage| stage["result"] == "executed").count()
+    }
+
     /// Names of its files, sorted.
     pub fn files(&self) -> Vec<String> {
         let entries = std::fs::read_dir(&self.folder).into_iter().flatten().flatten();

@@ -1,13 +1,6 @@
 //! The pebble: what a store by content spares.
 
-use fibar_tests::{Build, Workshop, checkout};
-
-/// How many stages the last build executed, by its own timings.
-fn executed(build: &Build) -> usize {
-    let timings: serde_json::Value = serde_json::from_slice(&build.read("timings.json")).unwrap();
-    let stages = timings["stages"].as_array().expect("timings.json lists the stages");
-    stages.iter().filter(|stage| stage["cached"] == false).count()
-}
+use fibar_tests::{Workshop, checkout};
 
 #[test]
 fn only_what_a_change_touches_runs_again() {
@@ -15,7 +8,7 @@ fn only_what_a_change_touches_runs_again() {
     let pebble = workshop.opened("pebble");
     let check = |arguments: &[&str], expected: usize| {
         workshop.build("recipes/pebble.toml", arguments).expect(0);
-        assert_eq!(executed(&pebble), expected, "{arguments:?}");
+        assert_eq!(pebble.executed(), expected, "{arguments:?}");
     };
     check(&[], 11);
     check(&[], 0);
@@ -34,8 +27,8 @@ fn unchanged_bytes_stop_the_rebuild() {
     let path = workshop.write("pebble.toml", &recipe);
     let build = || workshop.run(&["build", path.to_str().unwrap()]).expect(0);
     build();
-    assert_eq!(executed(&workshop.opened("pebble")), 11);
+    assert_eq!(workshop.opened("pebble").executed(), 11);
     workshop.write("objects/pebble.obj", format!("# another comment\n{object}"));
     build();
-    assert_eq!(executed(&workshop.opened("pebble")), 1, "the file is read again, its mesh is the same");
+    assert_eq!(workshop.opened("pebble").executed(), 1, "the file is read again, its mesh is the same");
 }
