@@ -38,18 +38,23 @@ impl RayScene {
     pub fn is_clear(&self, from: DVec3, to: DVec3) -> bool {
         let (arm, length) = (to - from).normalize_and_length();
         let Some(tree) = self.tree.as_ref().filter(|_| length > 0.0) else { return true };
-        let ray = Ray::new(from.as_vec3a(), arm.as_vec3a(), 0.0, length as f32);
+        let ray = ray(from, arm, length);
         tree.ray_traverse_miss(ray, |ray, k| self.triangles[k].intersect(ray))
     }
 
     /// Distance from a point to the first triangle along a unit vector, mm; `limit` if there is none before.
     pub fn reach(&self, from: DVec3, direction: DVec3, limit: f64) -> f64 {
         let Some(tree) = &self.tree else { return limit };
-        let ray = Ray::new(from.as_vec3a(), Vec3A::from(direction.as_vec3()), 0.0, limit as f32);
+        let ray = ray(from, direction, limit);
         let mut hit = RayHit::none();
         let found = tree.ray_traverse(ray, &mut hit, |ray, k| self.triangles[k].intersect(ray));
         if found { f64::from(hit.t).min(limit) } else { limit }
     }
+}
+
+/// The library's ray. Adding zero turns −0 into +0: with −0 it takes the wrong octant and misses what it should hit.
+fn ray(from: DVec3, direction: DVec3, length: f64) -> Ray {
+    Ray::new(from.as_vec3a(), direction.as_vec3a() + Vec3A::ZERO, 0.0, length as f32)
 }
 
 #[cfg(test)]
@@ -92,6 +97,19 @@ mod tests {
         check([0.25, 0.1, 0.2], 0.5, 0.5);
         check([-4.0, 0.1, 0.2], 9.0, 3.0);
         check([4.0, 0.1, 0.2], 9.0, 9.0);
+    }
+
+    #[test]
+    fn negative_zeros_in_a_direction_hit_too() {
+        let scene = RayScene::new(&cube());
+        for axis in [DVec3::X, DVec3::Y, DVec3::Z, -DVec3::X, -DVec3::Y, -DVec3::Z] {
+            let negative = axis.map(|x| if x == 0.0 { -0.0 } else { x });
+            assert_eq!(
+                scene.reach(DVec3::new(0.1, 0.2, 0.3) * (1.0 - axis.abs()), negative, 9.0),
+                1.0,
+                "{axis}"
+            );
+        }
     }
 
     #[test]

@@ -51,6 +51,11 @@ pub fn sample_surface(
     (0..count).map(|k| sample(k, rng.random())).collect()
 }
 
+/// Area of a mesh, mm².
+pub fn surface_area(mesh: &TriangleMesh) -> f64 {
+    (0..mesh.triangles.len()).map(|t| face_vector(mesh.corners(t)).length() / 2.0).sum()
+}
+
 /// The sample at a point of the unit square, folded onto the triangle.
 fn sample_triangle(
     mesh: &TriangleMesh,
