@@ -1,0 +1,163 @@
+//! E_surf as a field: the sum over surface points is made once, on a lattice, not at every iteration.
+//!
+//! The paper sums `exp(−k7·|x − x_s|)` over the surface points of its mesh. Deeper than a millimetre the points blur into
+//! an area: the sum is `density·∫exp(−k7·|x − y|) dA(y)`, whatever the triangulation. The integral is made by the
+//! midpoint rule on small triangles.
+
+use crate::interior::Interior;
+use crate::neighbours::Cells;
+use crate::params::Params;
+use fibar_core::artefact::mesh::TriangleMesh;
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// Added before the logarithm, taken off after: values far from the wall are 0.
+const FLOOR: f64 = 1e-6;
+
+/// The field of the body's surface.
+///
+/// The logarithm is interpolated, since that of one wall is nearly linear in depth.
+pub struct Wall<'a> {
+    interior: &'a Interior,
+    logarithms: Vec<f64>,
+}
+
+impl<'a> Wall<'a> {
+    /// Sums at every sample inside the body and just outside.
+    pub fn of(body: &TriangleMesh, interior: &'a Interior, params: &Params) -> Wall<'a> {
+        let patches = patches(body, 2.0 / params.k7);
+        let kernel = Kernel::of(&patches, params);
+        let lattice = interior.lattice();
+        let outermost = 3.0 * lattice.spacing;
+        let logarithm = |n: usize| {
+            let distance = interior.sample(n);
+            let near = distance < outermost && -distance < kernel.reach;
+            let sum = if near { kernel.sum(lattice.place(n)) } else { 0.0 };
+            libm::log(sum + FLOOR)
+        };
+        let logarithms = (0..lattice.len()).into_par_iter().map(logarithm).collect();
+        Wall { interior, logarithms }
+    }
+
+    /// E_surf of one control point and its gradient, per mm.
+    pub fn sum_with_gradient(&self, place: DVec3) -> (f64, DVec3) {
+        let (logarithm, slope) = self.interior.lattice().interpolate_cubic(&self.logarithms, place);
+        let sum = libm::exp(logarithm);
+        (sum - FLOOR, sum * slope)
+    }
+}
+
+/// A small triangle of the surface as a point with an area.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Patch {
+    centre: DVec3,
+    area: f64,
+}
+
+/// The surface in patches with edges no longer than `longest` mm.
+fn patches(body: &TriangleMesh, longest: f64) -> Vec<Patch> {
+    (0..body.triangles.len()).flat_map(|t| split(body.corners(t), longest)).collect()
+}
+
+fn split([a, b, c]: [DVec3; 3], longest: f64) -> Vec<Patch> {
+    let edge = (b - a).length().max((c - b).length()).max((a - c).length());
+    let parts = (edge / longest).ceil().clamp(1.0, 1e3) as u32;
+    let (u, v) = ((b - a) / f64::from(parts), (c - a) / f64::from(parts));
+    let area = 0.5 * u.cross(v).length();
+    let patch = |i: u32, j: u32, third: f64| {
+        let centre = a + (f64::from(i) + third) * u + (f64::from(j) + third) * v;
+        Patch { centre, area }
+    };
+    let upright = (0..parts).flat_map(|i| (0..parts - i).map(move |j| (i, j, 1.0 / 3.0)));
+    let upended = (0..parts).flat_map(|i| (0..(parts - i).saturating_sub(1)).map(move |j| (i, j, 2.0 / 3.0)));
+    upright.chain(upended).map(|(i, j, third)| patch(i, j, third)).collect()
+}
+
+/// `Σ density·area·(exp(−k7·d) − cut_off)` over the patches within reach.
+struct Kernel<'a> {
+    patches: &'a [Patch],
+    cells: Cells,
+    decay: f64,
+    density: f64,
+    cut_off: f64,
+    /// Where the exponential falls to the cut-off, mm.
+    reach: f64,
+}
+
+impl<'a> Kernel<'a> {
+    fn of(patches: &'a [Patch], params: &Params) -> Kernel<'a> {
+        let reach = -libm::log(params.cut_off) / params.k7;
+        let centres: Vec<DVec3> = patches.iter().map(|p| p.centre).collect();
+        let Params { k7: decay, surface_points_per_mm2: density, cut_off, .. } = *params;
+        Kernel { patches, cells: Cells::of(&centres, reach), decay, density, cut_off, reach }
+    }
+
+    fn sum(&self, place: DVec3) -> f64 {
+        let square = self.reach * self.reach;
+        let add = |sum: f64, k: usize| {
+            let Patch { centre, area } = self.patches[k];
+            let distance = place.distance_squared(centre);
+            if distance < square {
+                sum + area * (libm::exp(-self.decay * distance.sqrt()) - self.cut_off)
+            } else {
+                sum
+            }
+        };
+        self.density * self.cells.near(place).fold(0.0, add)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::interior::tests::cuboid;
+
+    fn params() -> Params {
+        Params { cut_off: 1e-6, ..Params::default() }
+    }
+
+    /// `density·∫exp(−k·|x − y|) dA` before an endless plane: `2π·density·e^(−kd)·(d/k + 1/k²)`.
+    fn before_plane(depth: f64, params: &Params) -> f64 {
+        let k = params.k7;
+        let area = std::f64::consts::TAU * params.surface_points_per_mm2;
+        area * libm::exp(-k * depth) * (depth / k + 1.0 / (k * k))
+    }
+
+    #[test]
+    fn before_a_plane_the_field_is_its_closed_form() {
+        let (body, params) = (cuboid(DVec3::new(25.0, 25.0, 15.0)), params());
+        let interior = Interior::of(&body, &params).unwrap();
+        let wall = Wall::of(&body, &interior, &params);
+        for k in 0..20 {
+            let depth = 1.6 + 0.15 * f64::from(k);
+            let place = DVec3::new(0.13 * f64::from(k), -0.21 * f64::from(k), 15.0 - depth);
+            let (sum, exact) = (wall.sum_with_gradient(place).0, before_plane(depth, &params));
+            assert!((sum - exact).abs() < 0.04 * exact, "{depth} mm deep: {sum} is not {exact}");
+        }
+        assert!(wall.sum_with_gradient(DVec3::ZERO).0.abs() < 1e-6);
+    }
+
+    #[test]
+    fn the_gradient_is_that_of_the_field() {
+        let (body, params) = (cuboid(DVec3::new(8.0, 9.0, 5.0)), params());
+        let interior = Interior::of(&body, &params).unwrap();
+        let wall = Wall::of(&body, &interior, &params);
+        for k in 0..40 {
+            let t = f64::from(k);
+            let place = DVec3::new(7.0 * (t * 0.7).sin(), 8.0 * (t * 1.1).cos(), 4.0 * (t * 0.3).sin());
+            let gradient = wall.sum_with_gradient(place).1;
+            for axis in DVec3::AXES {
+                let at = |step: f64| wall.sum_with_gradient(place + step * axis).0;
+                let difference = (at(1e-5) - at(-1e-5)) / 2e-5;
+                assert!((gradient.dot(axis) - difference).abs() < 1e-5, "{place}: {gradient}, {difference}");
+            }
+        }
+    }
+
+    #[test]
+    fn patches_cover_the_surface_once() {
+        let body = cuboid(DVec3::new(3.0, 4.0, 5.0));
+        let area: f64 = patches(&body, 0.7).iter().map(|p| p.area).sum();
+        assert!((area - 8.0 * (12.0 + 15.0 + 20.0)).abs() < 1e-9, "{area}");
+    }
+}
