@@ -100,5 +100,6 @@ fn attempt(
     let reports = plans.iter().zip(&finished);
     let reports = reports.map(|(plan, finished)| ledger::publish(plan, finished, options, started)).collect();
     options.store.stats.save();
+    options.store.sync()?;
     reports
 }

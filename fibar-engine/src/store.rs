@@ -3,19 +3,21 @@
 //! | folder | holds |
 //! | --- | --- |
 //! | `cas/<sha256>` | a blob, read-only; a tree is a blob that lists its files |
-//! | `actions/<key>` | what an action gave, with the manifest of its key |
+//! | `actions/<key>` | what an action gave, with the manifest of its key, below a checksum |
 //! | `locks/<key>` | one `flock` per action being executed |
 //! | `descriptions/` | descriptions by plugin digest |
 //! | `work/` | private folders of running stages, and of crashed ones |
 //! | `quarantine/` | blobs whose bytes no longer match their name |
 //! | `tmp/` | files on their way |
 //!
-//! Every file becomes visible by rename, complete and synced. No database, no daemon; deleting the store costs time only.
+//! Every file becomes visible by rename, complete; a build syncs all its files at its end, at once (see
+//! `docs/decisions/sync-once.md`). No database, no daemon; deleting the store costs time only.
 
 mod action;
 mod blob;
 mod lock;
 mod stat_cache;
+mod sync;
 mod tree;
 
 pub use action::{Action, Output};
@@ -36,6 +38,7 @@ const STORE_FORMAT: &str = "fibar.store/1\n";
 #[derive(Debug)]
 pub struct Store {
     root: PathBuf,
+    unsynced: sync::Unsynced,
     /// Digests of files already hashed.
     pub stats: StatCache,
 }
@@ -52,7 +55,8 @@ impl Store {
             }
             refuse_other_formats(&format)?;
         }
-        let store = Store { stats: StatCache::load(&root.join("stat-cache")), root };
+        let stats = StatCache::load(&root.join("stat-cache"));
+        let store = Store { stats, unsynced: sync::Unsynced::default(), root };
         if !format.exists() {
             store.publish_bytes(&format, STORE_FORMAT.as_bytes())?;
         }
@@ -98,13 +102,13 @@ impl Store {
         let write = || {
             let mut file = std::fs::File::create(&temporary)?;
             file.write_all(bytes)?;
-            file.sync_all()?;
             std::fs::rename(&temporary, path)
         };
         let result = write().context("write", path);
         if result.is_err() {
             let _ = std::fs::remove_file(&temporary);
         }
+        self.unsynced.add(path);
         result
     }
 }

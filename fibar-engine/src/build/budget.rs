@@ -62,6 +62,11 @@ impl Free {
         Some(Grant { cores, memory_mb })
     }
 
+    /// Whether nothing more can start.
+    pub fn is_used_up(&self) -> bool {
+        self.running > 0 && (self.cores == 0 || self.memory_mb == 0)
+    }
+
     pub fn give_back(&mut self, grant: Grant) {
         self.cores += grant.cores;
         self.memory_mb += grant.memory_mb;

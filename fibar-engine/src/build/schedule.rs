@@ -9,7 +9,7 @@ use super::observer::{Event, Outcome, StageName};
 use crate::plan::{InputDigests, Manifest, Plan, PlannedStage};
 use crate::store::{Action, Rot};
 use crate::{Digest, Error, Store};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::thread::Scope;
@@ -91,29 +91,41 @@ struct Scheduler<'a> {
     results: Sender<Arrival>,
     started: Instant,
     finished: Vec<Vec<Option<Finished>>>,
-    /// Stages whose inputs are not all there.
-    blocked: Vec<Slot>,
-    /// Stages that can run as soon as the budget allows.
-    ready: Vec<(Slot, Manifest, Digest)>,
-    /// Stages whose action is running, by key.
-    running: BTreeMap<Digest, Vec<Slot>>,
+    /// How many inputs of each stage are not there yet.
+    missing: Vec<Vec<usize>>,
+    /// The stages that each stage feeds, once per wire.
+    readers: Vec<Vec<Vec<usize>>>,
+    /// Stages whose inputs are there and whose action has not been looked up yet.
+    unblocked: VecDeque<Slot>,
+    /// Actions that can run as soon as the budget allows.
+    ready: VecDeque<(Digest, Manifest)>,
+    /// Stages by the key of their action, which is ready or running; stages with the same key share one run.
+    waiting: BTreeMap<Digest, Vec<Slot>>,
+    running: usize,
     free: Free,
     failures: Vec<Rot>,
 }
 
 impl<'a> Scheduler<'a> {
     fn new(plans: &'a [Plan], options: &'a BuildOptions<'a>, results: Sender<Arrival>) -> Scheduler<'a> {
-        let slots =
-            |(p, plan): (usize, &Plan)| (0..plan.stages.len()).map(move |s| (p, s)).collect::<Vec<_>>();
+        let missing: Vec<Vec<usize>> =
+            plans.iter().map(|plan| plan.stages.iter().map(|s| sources(s).count()).collect()).collect();
+        let free_of_inputs = |(p, missing): (usize, &Vec<usize>)| {
+            let first = (0..missing.len()).filter(|&s| missing[s] == 0);
+            first.map(|s| (p, s)).collect::<Vec<_>>()
+        };
         Scheduler {
             plans,
             options,
             results,
             started: Instant::now(),
             finished: plans.iter().map(|plan| vec![None; plan.stages.len()]).collect(),
-            blocked: plans.iter().enumerate().flat_map(slots).collect(),
-            ready: Vec::new(),
-            running: BTreeMap::new(),
+            unblocked: missing.iter().enumerate().flat_map(free_of_inputs).collect(),
+            missing,
+            readers: plans.iter().map(readers).collect(),
+            ready: VecDeque::new(),
+            waiting: BTreeMap::new(),
+            running: 0,
             free: Free::new(options.budget),
             failures: Vec::new(),
         }
@@ -124,11 +136,11 @@ impl<'a> Scheduler<'a> {
         'a: 'scope,
     {
         loop {
-            self.unblock();
+            self.look_up_unblocked();
             if self.failures.is_empty() && !(self.options.is_cancelled)() {
                 self.launch(scope);
             }
-            if self.running.is_empty() {
+            if self.running == 0 {
                 return;
             }
             if let Ok(arrival) = arrivals.recv() {
@@ -137,34 +149,36 @@ impl<'a> Scheduler<'a> {
         }
     }
 
-    /// Moves stages whose inputs are there to finished (hits) or ready, until nothing moves.
-    fn unblock(&mut self) {
-        loop {
-            let before = self.blocked.len();
-            for (p, s) in std::mem::take(&mut self.blocked) {
-                let stage = &self.plans[p].stages[s];
-                match resolve_inputs(stage, &self.finished[p]) {
-                    Some(inputs) => self.look_up((p, s), Manifest::of(stage, inputs)),
-                    None => self.blocked.push((p, s)),
-                }
-            }
-            if self.blocked.len() == before || self.blocked.is_empty() {
-                return;
-            }
+    /// Finishes hits, which unblocks others, and makes the rest ready.
+    fn look_up_unblocked(&mut self) {
+        while let Some((p, s)) = self.unblocked.pop_front() {
+            let stage = &self.plans[p].stages[s];
+            let inputs = resolve_inputs(stage, &self.finished[p]).expect("no input is missing");
+            self.look_up((p, s), Manifest::of(stage, inputs));
         }
     }
 
     fn look_up(&mut self, slot: Slot, manifest: Manifest) {
         let key = manifest.key();
-        if let Some(waiting) = self.running.get_mut(&key) {
+        if let Some(waiting) = self.waiting.get_mut(&key) {
             waiting.push(slot);
         } else if let Some(action) = look_up(self.options.store, &self.plans[slot.0].stages[slot.1], &key) {
-            let name = self.name(slot);
             let (outcome, seconds) = (Outcome::Hit, 0.0);
-            self.options.observer.event(&Event::Finished { stage: name, outcome, seconds });
-            self.finished[slot.0][slot.1] = Some(hit(key, action));
+            self.options.observer.event(&Event::Finished { stage: self.name(slot), outcome, seconds });
+            self.finish(slot, hit(key, action));
         } else {
-            self.ready.push((slot, manifest, key));
+            self.waiting.insert(key, vec![slot]);
+            self.ready.push_back((key, manifest));
+        }
+    }
+
+    fn finish(&mut self, (p, s): Slot, finished: Finished) {
+        self.finished[p][s] = Some(finished);
+        for &reader in &self.readers[p][s] {
+            self.missing[p][reader] -= 1;
+            if self.missing[p][reader] == 0 {
+                self.unblocked.push_back((p, reader));
+            }
         }
     }
 
@@ -172,31 +186,30 @@ impl<'a> Scheduler<'a> {
         StageName { build: &self.plans[p].name, stage: &self.plans[p].stages[s].id }
     }
 
-    /// Starts ready stages while the budget lasts; stages with the same key share one run.
+    /// Starts ready actions while the budget lasts.
     fn launch<'scope, 'env>(&mut self, scope: &'scope Scope<'scope, 'env>)
     where
         'a: 'scope,
     {
-        let mut waiting = self.ready.iter().map(|(_, _, key)| *key).collect::<BTreeSet<_>>().len();
-        for (slot, manifest, key) in std::mem::take(&mut self.ready) {
-            if let Some(sharing) = self.running.get_mut(&key) {
-                sharing.push(slot);
-                continue;
+        let mut left = VecDeque::new();
+        while let Some((key, manifest)) = self.ready.pop_front() {
+            if self.free.is_used_up() {
+                self.ready.push_front((key, manifest));
+                break;
             }
-            let stage = &self.plans[slot.0].stages[slot.1];
-            match self.free.take(&stage.plugin.description.resources, waiting) {
-                Some(grant) => {
-                    self.running.insert(key, vec![slot]);
-                    self.spawn(scope, slot, manifest, key, grant);
-                }
-                None => self.ready.push((slot, manifest, key)),
+            let slot = self.waiting[&key][0];
+            let wish = &self.plans[slot.0].stages[slot.1].plugin.description.resources;
+            match self.free.take(wish, 1 + self.ready.len()) {
+                Some(grant) => self.spawn(scope, slot, manifest, key, grant),
+                None => left.push_back((key, manifest)),
             }
-            waiting = waiting.saturating_sub(1);
         }
+        left.append(&mut self.ready);
+        self.ready = left;
     }
 
     fn spawn<'scope, 'env>(
-        &self,
+        &mut self,
         scope: &'scope Scope<'scope, 'env>,
         slot: Slot,
         manifest: Manifest,
@@ -205,6 +218,7 @@ impl<'a> Scheduler<'a> {
     ) where
         'a: 'scope,
     {
+        self.running += 1;
         let name = self.name(slot);
         self.options.observer.event(&Event::Started { stage: name, cores: grant.cores });
         let stage = &self.plans[slot.0].stages[slot.1];
@@ -231,8 +245,9 @@ impl<'a> Scheduler<'a> {
 
     fn arrive(&mut self, arrival: Arrival) {
         let Arrival { key, grant, start, seconds, result } = arrival;
+        self.running -= 1;
         self.free.give_back(grant);
-        let slots = self.running.remove(&key).unwrap_or_default();
+        let slots = self.waiting.remove(&key).unwrap_or_default();
         let (action, outcome) = match result {
             Ok((action, outcome)) => (Arc::new(action), outcome),
             Err(failure) => {
@@ -248,7 +263,7 @@ impl<'a> Scheduler<'a> {
             let cores = if outcome == Outcome::Executed { grant.cores } else { 0 };
             self.options.observer.event(&Event::Finished { stage: self.name(slot), outcome, seconds });
             let action = Arc::clone(&action);
-            self.finished[slot.0][slot.1] = Some(Finished { key, action, outcome, start, seconds, cores });
+            self.finish(slot, Finished { key, action, outcome, start, seconds, cores });
         }
     }
 
@@ -269,6 +284,20 @@ impl<'a> Scheduler<'a> {
         let all: Option<Vec<_>> = self.finished.into_iter().map(complete).collect();
         all.ok_or_else(|| Rot::Other(cancelled()))
     }
+}
+
+/// The stages that a stage reads from, once per wire.
+fn sources(stage: &PlannedStage) -> impl Iterator<Item = usize> {
+    stage.wires.iter().flat_map(|wire| &wire.sources).map(|source| source.stage)
+}
+
+/// The stages that read from each stage of a plan, once per wire.
+fn readers(plan: &Plan) -> Vec<Vec<usize>> {
+    let mut readers = vec![Vec::new(); plan.stages.len()];
+    for (reader, stage) in plan.stages.iter().enumerate() {
+        sources(stage).for_each(|source| readers[source].push(reader));
+    }
+    readers
 }
 
 fn merge(errors: Vec<Error>) -> Option<Error> {

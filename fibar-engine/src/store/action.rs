@@ -10,6 +10,9 @@ use std::path::PathBuf;
 
 const ACTION_FORMAT: &str = "fibar.action/1";
 
+/// An action file begins with the digest of the rest in hexadecimal.
+const CHECKSUM_LENGTH: usize = 64;
+
 /// What a run gave. Hits reproduce all of it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -56,18 +59,33 @@ impl Store {
 
     /// A finished action whose outputs are all there. Anything unreadable is a miss.
     pub fn find_action(&self, key: &Digest) -> Option<Action> {
-        let action: Action = serde_json::from_slice(&std::fs::read(self.action_path(key)).ok()?).ok()?;
-        let complete = |output: &Output| match output.tree {
+        let action = self.read_action(key)?;
+        action.outputs.values().all(|output| self.has_output(output)).then_some(action)
+    }
+
+    /// A finished action, whether or not its outputs are still there.
+    pub fn read_action(&self, key: &Digest) -> Option<Action> {
+        let bytes = std::fs::read(self.action_path(key)).ok()?;
+        let (checksum, json) = bytes.split_at_checked(CHECKSUM_LENGTH)?;
+        let json = json.strip_prefix(b"\n")?;
+        let action: Action = serde_json::from_slice(json)
+            .ok()
+            .filter(|_| checksum == Digest::of(json).to_string().as_bytes())?;
+        (action.format == ACTION_FORMAT && action.manifest.key() == *key).then_some(action)
+    }
+
+    /// Whether an output is still there, in full.
+    pub fn has_output(&self, output: &Output) -> bool {
+        match output.tree {
             true => self.has_tree(&output.digest),
             false => self.has_blob(&output.digest, output.size),
-        };
-        let ours = action.format == ACTION_FORMAT && action.manifest.key() == *key;
-        (ours && action.outputs.values().all(complete)).then_some(action)
+        }
     }
 
     /// Makes a finished action visible, after its outputs.
     pub fn publish_action(&self, key: &Digest, action: &Action) -> Result<()> {
-        let bytes = serde_json::to_vec(action).expect("an action is plain data");
-        self.publish_bytes(&self.action_path(key), &bytes)
+        let json = serde_json::to_string(action).expect("an action is plain data");
+        let text = format!("{}\n{json}", Digest::of(json.as_bytes()));
+        self.publish_bytes(&self.action_path(key), text.as_bytes())
     }
 }

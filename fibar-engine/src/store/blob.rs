@@ -33,11 +33,10 @@ impl Store {
         if self.has_blob(&digest, size) {
             return Ok((digest, size));
         }
-        let handle = File::open(file).context("open", file)?;
-        handle.sync_all().context("sync", file)?;
         os::make_read_only(file).context("protect", file)?;
         let target = self.blob_path(&digest);
         std::fs::rename(file, &target).context("publish", &target)?;
+        self.unsynced.add(&target);
         Ok((digest, size))
     }
 

@@ -100,7 +100,7 @@ fn check_cancel(upper: &str) {
     let stop = || started.elapsed() > Duration::from_millis(300);
     let error = bench.build_with(&book("", upper, ""), &[], &stop).unwrap_err();
     assert_eq!(error.class, Class::Cancelled, "{error}");
-    assert!(started.elapsed() < Duration::from_millis(2300), "{:?}", started.elapsed());
+    assert!(started.elapsed() < Duration::from_secs(5), "{:?}", started.elapsed());
     assert_eq!(bench.list("store/work"), [""; 0]);
     bench.runs(&book("", "", ""), &["upper-text", "bind-text", "verify-text"]);
 }
@@ -116,6 +116,12 @@ fn independent_stages_run_side_by_side() {
     let bench = Bench::new();
     let upper = |id: u32| format!("[[stage]]\nuse = 'upper-text'\nname = '{id}.txt'\nseconds = 0.4\n");
     let recipe = "fibar = 1\n[object]\nname = 'book'\n[[stage]]\nuse = 'make-text'\n".to_owned();
-    let report = bench.build(&(recipe + &upper(1) + &upper(2))).unwrap();
-    assert!(report.total < 0.75, "{}", report.total);
+    bench.build(&(recipe + &upper(1) + &upper(2))).unwrap();
+    let timings: serde_json::Value = serde_json::from_str(&bench.read("build/book/timings.json")).unwrap();
+    let span = |stage: usize| {
+        let time = |key: &str| timings["stages"][stage][key].as_f64().unwrap();
+        (time("start_s"), time("start_s") + time("seconds"))
+    };
+    let (first, second) = (span(1), span(2));
+    assert!(first.0 < second.1 && second.0 < first.1, "{first:?} and {second:?} do not overlap");
 }
