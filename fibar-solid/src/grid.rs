@@ -1,6 +1,6 @@
 //! Coordinates that every file format keeps: multiples of a power of two that f32 represents exactly.
 
-use fibar_core::artefact::mesh::TriangleMesh;
+use crate::{Solid, SolidError};
 use glam::DVec3;
 
 /// A grid of places. Rounding to it moves a vertex by less than 0.87 of its step.
@@ -30,9 +30,13 @@ impl Grid {
         (place / self.step).round() * self.step + 0.0
     }
 
-    /// Snaps all vertices. Triangles whose corners meet are kept: leaving them out would open the surface.
-    pub fn snap_mesh(self, mesh: &mut TriangleMesh) {
+    /// A solid with all vertices on the grid, and edges that became points collapsed, so that readers which weld equal
+    /// places find the same surface. Flat detail below four steps goes, too.
+    pub fn snap_solid(self, solid: &Solid) -> Result<Solid, SolidError> {
+        let mut mesh = solid.simplify(4.0 * self.step)?.to_mesh()?;
         mesh.vertices.iter_mut().for_each(|v| *v = self.snap(*v));
+        // Vertices of a collapsed edge keep one of its ends: all stay on the grid.
+        Solid::from_mesh(&mesh)?.simplify(0.0)
     }
 }
 

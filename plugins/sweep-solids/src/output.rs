@@ -4,7 +4,7 @@ use crate::partition::{Part, Partition};
 use fibar_core::artefact::Document;
 use fibar_core::artefact::solids::{INDEX_FILE, Solid as SolidEntry, Solids};
 use fibar_plugin::{Job, StageError};
-use fibar_solid::{Grid, Solid};
+use fibar_solid::Grid;
 use rayon::prelude::*;
 use std::path::Path;
 
@@ -30,10 +30,11 @@ fn write_part(part: &Part, grid: Grid, folder: &Path) -> Result<(SolidEntry, usi
         volume_mm3: 0.0,
     };
     entry.file = format!("{}.ply", entry.name());
-    let failed = |error| StageError::internal(format!("{}: {error}", entry.name()));
-    let mut mesh = part.solid.to_mesh().map_err(failed)?;
-    grid.snap_mesh(&mut mesh);
-    entry.volume_mm3 = Solid::from_mesh(&mesh).map_err(failed)?.volume();
+    let name = entry.name();
+    let failed = |error| StageError::internal(format!("{name}: {error}"));
+    let snapped = grid.snap_solid(&part.solid).map_err(failed)?;
+    entry.volume_mm3 = snapped.volume();
+    let mesh = snapped.to_mesh().map_err(failed)?;
     std::fs::write(folder.join(&entry.file), mesh.to_ply())?;
     Ok((entry, mesh.triangles.len()))
 }
