@@ -1,0 +1,105 @@
+//! Which surfaces each wall lies between.
+//!
+//! - Cladding of an LED: from its core's surface to that surface of the cladding which is not the core's.
+//! - Black of an LED: from the cladding's surface, likewise without the core's, to that surface of the black which is not
+//!   the cladding's.
+//! - Skin: from the object's surface to anything that is not skin.
+//!
+//! So a wall cut thin by another fibre, by a hole or by the skin counts as thin, and a core laid bare has no wall. Fibres of
+//! one LED that merge need no exception: what is inside of both is not a surface. Cladding and black stop at the ends of
+//! the fibres, so near those they are not measured; the skin is measured everywhere.
+
+use crate::part::{Object, Part};
+use crate::wall::{Wall, thinnest};
+use fibar_core::artefact::mesh::TriangleMesh;
+use fibar_core::material::Role;
+use fibar_ruler::bvh::Bvh;
+use fibar_ruler::contact::Triangle;
+
+/// The thinnest walls of one role, one per solid that has any, thinnest first.
+pub struct RoleWalls {
+    /// The role.
+    pub role: Role,
+    /// Name of the solid, and its thinnest wall.
+    pub walls: Vec<(String, Wall)>,
+}
+
+/// A triangle with every corner and its middle this near to a surface lies on it, mm.
+const ON_SURFACE_MM: f64 = 2e-4;
+/// Triangles are cut down to this before those near a fibre's end are left out, mm.
+const PIECE_MM: f64 = 0.75;
+
+/// Measures all roles that have walls.
+pub fn measure(object: &Object, end_zone_mm: f64) -> Vec<RoleWalls> {
+    let cladding = walls_around(object, Role::Core, Role::Cladding, end_zone_mm);
+    let black = walls_around(object, Role::Cladding, Role::Black, end_zone_mm);
+    vec![cladding, black, skin(object)]
+}
+
+/// Walls of `outer` around `inner`, LED by LED.
+fn walls_around(object: &Object, inner: Role, outer: Role, end_zone_mm: f64) -> RoleWalls {
+    let of_led = |role: Role, part: &Part| object.of_role(role).find(|other| other.led == part.led);
+    let wall = |part: &Part| {
+        let core = of_led(Role::Core, part).map(|core| Bvh::of(&triangles(&core.mesh)));
+        let mut inside = triangles(&of_led(inner, part)?.mesh);
+        if inner != Role::Core {
+            inside = off_surface(inside, core.as_ref());
+        }
+        let outside = off_surface(triangles(&part.mesh), Some(&Bvh::of(&inside)));
+        let pieces = inside.iter().flat_map(|t| cut(*t));
+        let away =
+            pieces.filter(|piece| object.fibre_ends.iter().all(|end| !is_near(piece, *end, end_zone_mm)));
+        Some((part.name.clone(), thinnest(&away.collect::<Vec<_>>(), &Bvh::of(&outside))?))
+    };
+    sorted(outer, object.of_role(outer).filter_map(wall).collect())
+}
+
+/// From the object's surface to anything but skin. The skin is one solid, so its wall is named by what comes nearest.
+fn skin(object: &Object) -> RoleWalls {
+    let surface = Bvh::of(&triangles(&object.body));
+    let others = object.parts.iter().filter(|part| part.role != Role::Skin);
+    let wall =
+        |part: &Part| Some((format!("skin over {}", part.name), thinnest(&triangles(&part.mesh), &surface)?));
+    sorted(Role::Skin, others.filter_map(wall).collect())
+}
+
+fn sorted(role: Role, mut walls: Vec<(String, Wall)>) -> RoleWalls {
+    walls.sort_by(|a, b| a.1.thickness.total_cmp(&b.1.thickness).then_with(|| a.0.cmp(&b.0)));
+    RoleWalls { role, walls }
+}
+
+fn triangles(mesh: &TriangleMesh) -> Vec<Triangle> {
+    (0..mesh.triangles.len()).map(|t| mesh.corners(t)).collect()
+}
+
+/// Those that do not lie on a surface.
+fn off_surface(triangles: Vec<Triangle>, surface: Option<&Bvh>) -> Vec<Triangle> {
+    let Some(surface) = surface else { return triangles };
+    let touches = |point| surface.nearest(&point, ON_SURFACE_MM).is_some();
+    let lies_on = |&[a, b, c]: &Triangle| [(a + b + c) / 3.0, a, b, c].into_iter().all(touches);
+    triangles.into_iter().filter(|t| !lies_on(t)).collect()
+}
+
+fn is_near(piece: &Triangle, point: glam::DVec3, distance: f64) -> bool {
+    fibar_ruler::contact::nearest_on_triangle(point, piece).0.distance_squared(point) < distance * distance
+}
+
+/// A triangle in pieces with no edge longer than [`PIECE_MM`], by halving the longest.
+fn cut(triangle: Triangle) -> Vec<Triangle> {
+    let (mut waiting, mut pieces) = (vec![triangle], Vec::new());
+    while let Some([a, b, c]) = waiting.pop() {
+        let lengths = [a.distance_squared(b), b.distance_squared(c), c.distance_squared(a)];
+        let [a, b, c] = match lengths {
+            [ab, bc, ca] if bc >= ab && bc >= ca => [b, c, a],
+            [ab, bc, ca] if ca >= ab && ca >= bc => [c, a, b],
+            _ => [a, b, c],
+        };
+        if a.distance_squared(b) <= PIECE_MM * PIECE_MM {
+            pieces.push([a, b, c]);
+        } else {
+            let middle = a.midpoint(b);
+            waiting.extend([[a, middle, c], [middle, b, c]]);
+        }
+    }
+    pieces
+}
