@@ -2,7 +2,7 @@
 //!
 //! Sources are looked for in `$FIBAR_MANIFOLD_DIR` (a folder with `src` and `include`), then in `target/manifold/3.5.4`
 //! of the checkout, where `cargo xtask` puts them; then pkg-config is asked. The choice of flags:
-//! `docs/decisions/0001-manifold-through-own-bridge.md`.
+//! `docs/decisions/manifold-through-own-bridge.md`.
 
 use std::env;
 use std::path::{Path, PathBuf};

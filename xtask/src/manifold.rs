@@ -1,7 +1,7 @@
 //! The sources of upstream Manifold, the solid modeller, fetched once per checkout and pinned by digest.
 //!
 //! They come from the PyPI source archive of `manifold3d` through pip; fibar-solid's build script compiles them.
-//! Why upstream rather than a binding from the Rust registry: `docs/decisions/0001-manifold-through-own-bridge.md`.
+//! Why upstream rather than a binding from the Rust registry: `docs/decisions/manifold-through-own-bridge.md`.
 
 use std::fs;
 use std::path::{Path, PathBuf};

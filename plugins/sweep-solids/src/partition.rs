@@ -10,8 +10,7 @@
 //! ```
 //!
 //! Every border between two solids is one surface, taken from the same mesh on both sides; nothing is compared by
-//! distance. Within an LED inner roles win; between LEDs the lower pattern does (it is the one with more to lose: pattern
-//! 1 carries the phase).
+//! distance. Within an LED inner roles win; between LEDs the lower pattern does (pattern 1 carries the phase).
 
 use crate::layers::LedTubes;
 use fibar_core::id::{LedId, PatternId};
@@ -127,4 +126,110 @@ fn collide(claimed: &Solid, loser: PatternId, winner: &LedTubes) -> Result<Optio
         place_mm: (low + high) * 0.5,
     });
     Ok(collision)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::layers::sweep_all;
+    use crate::socket;
+    use fibar_core::artefact::routes::{Fibre, Routes};
+    use fibar_core::artefact::sockets::{Hole, Socket, Sockets};
+    use fibar_core::id::MarkerId;
+    use fibar_core::material::LayerRadii;
+    use fibar_geometry::curve::clamped_uniform_knots;
+    use fibar_solid::{InsetOptions, inset};
+
+    const LEDS: [DVec3; 2] = [DVec3::new(-8.0, 0.0, 6.0), DVec3::new(8.0, 0.0, 6.0)];
+
+    fn sockets() -> Sockets {
+        let socket = |k: usize| Socket {
+            led: LedId(k as u32),
+            pattern: PatternId(2 - k as u32),
+            position: LEDS[k],
+            axis: DVec3::Z,
+        };
+        Sockets::new(Hole { diameter_mm: 5.2, depth_mm: 6.0 }, vec![socket(0), socket(1)])
+    }
+
+    /// From an LED to a place on the top of the block.
+    fn fibre(id: u32, led: usize, x: f64, y: f64) -> Fibre {
+        let top = DVec3::new(x, y, 30.0);
+        let points = vec![LEDS[led], LEDS[led] + DVec3::Z * 12.0, top - DVec3::Z * 12.0, top];
+        Fibre {
+            id,
+            marker: MarkerId(id),
+            led: LedId(led as u32),
+            pattern: PatternId(2 - led as u32),
+            degree: 3,
+            knots: clamped_uniform_knots(3, 4),
+            points,
+            weights: vec![1.0; 4],
+            radii_mm: LayerRadii::TONE_2020,
+        }
+    }
+
+    fn block() -> Solid {
+        let corner = |k: usize| {
+            let end = |axis: usize, low, high| if k >> axis & 1 == 0 { low } else { high };
+            DVec3::new(end(0, -16.0, 16.0), end(1, -8.0, 8.0), end(2, 0.0, 30.0))
+        };
+        Solid::hull(&(0..8).map(corner).collect::<Vec<_>>()).unwrap()
+    }
+
+    fn share_out(fibres: Vec<Fibre>) -> (f64, Partition) {
+        let inside = inset(&block(), InsetOptions { thickness: 0.4, simplify: 0.0 }).unwrap();
+        let holes = socket::holes(&sockets(), 0.05).unwrap();
+        let volume = block().subtract([&holes]).unwrap().volume();
+        let room = Room::new(block(), inside, holes).unwrap();
+        let tubes = sweep_all(&Routes::new(fibres), &sockets(), 0.05).unwrap();
+        (volume, Partition::of(&room, &tubes).unwrap())
+    }
+
+    /// Parts fill the object, do not overlap, and are those named; collisions as (winner, loser).
+    fn check(fibres: Vec<Fibre>, names: &[&str], collisions: &[(u32, u32)]) -> Partition {
+        let (volume, partition) = share_out(fibres);
+        let name =
+            |p: &Part| format!("{}{}", p.role.name(), p.owner.map_or(String::new(), |(_, p)| p.to_string()));
+        assert_eq!(partition.parts.iter().map(name).collect::<Vec<_>>(), names);
+        let sum: f64 = partition.parts.iter().map(|p| p.solid.volume()).sum();
+        assert!((sum / volume - 1.0).abs() < 1e-9, "{sum} of {volume}");
+        for (k, one) in partition.parts.iter().enumerate() {
+            for other in &partition.parts[..k] {
+                let overlap = one.solid.intersect(&other.solid).unwrap().volume();
+                assert!(overlap < 1e-6, "{} and {}: {overlap} mm³", name(one), name(other));
+            }
+        }
+        let found: Vec<(u32, u32)> = partition.collisions.iter().map(|c| (c.winner.0, c.loser.0)).collect();
+        assert_eq!(found, collisions);
+        partition
+    }
+
+    #[test]
+    fn fibres_of_two_leds_share_the_block() {
+        let names = ["core1", "core2", "cladding1", "cladding2", "black1", "black2", "skin", "filler"];
+        let fibres = vec![fibre(1, 0, -12.0, 2.0), fibre(2, 0, -6.0, -3.0), fibre(3, 1, 9.0, 0.0)];
+        let partition = check(fibres, &names, &[]);
+        for part in partition.parts.iter().filter(|p| p.owner.is_some()) {
+            assert_eq!(part.solid.components().unwrap().len(), 1, "fibres of one LED merge at its tip");
+            let (low, high) = part.solid.bounds().unwrap();
+            assert!((low.z - 6.0).abs() < 1e-9 && (high.z - 29.6).abs() < 1e-9, "from the tip to the skin");
+        }
+    }
+
+    #[test]
+    fn the_lower_pattern_keeps_a_crossing() {
+        let names = ["core1", "core2", "cladding1", "cladding2", "black1", "black2", "skin", "filler"];
+        let crossing = vec![fibre(1, 0, 8.0, 1.0), fibre(2, 1, -8.0, 0.0)];
+        let partition = check(crossing, &names, &[(1, 2)]);
+        let collision = &partition.collisions[0];
+        assert!(collision.volume_mm3 > 20.0 && collision.place_mm.x.abs() < 2.0);
+        let pieces = |k: usize| partition.parts[k].solid.components().unwrap().len();
+        assert_eq!((pieces(0), pieces(1)), (1, 2), "the core of pattern 2 is cut through");
+    }
+
+    #[test]
+    fn a_block_without_fibres_is_skin_with_filler() {
+        check(vec![], &["skin", "filler"], &[]);
+    }
 }
