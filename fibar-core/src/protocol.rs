@@ -9,7 +9,7 @@
 mod description;
 mod failure;
 
-pub use description::{Arity, Description, InputPort, OutputPort, Resources};
+pub use description::{Arity, Description, Environment, InputPort, OutputPort, Resources};
 pub use failure::{Failure, FailureKind};
 
 use serde::{Deserialize, Serialize};
@@ -112,6 +112,9 @@ pub struct Request {
     /// How much memory the stage should stay under, in bytes; 0 when nobody said.
     #[serde(default)]
     pub memory_bytes: u64,
+    /// The interpreter of the environment that the description names.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub python: Option<String>,
 }
 
 fn one_thread() -> u32 {

@@ -9,6 +9,7 @@ pub use budget::Budget;
 pub use observer::{Event, Observer, Outcome, Silent, StageName};
 pub use schedule::{Finished, predict, resolve_inputs};
 
+use crate::host::Sandbox;
 use crate::ledger::{self, BuildReport};
 use crate::plan::Plan;
 use crate::plugin::PluginPath;
@@ -35,6 +36,10 @@ pub struct BuildOptions<'a> {
     pub out: PathBuf,
     /// Whether `allow` in a recipe counts.
     pub waivers: Waivers,
+    /// How stages are confined.
+    pub sandbox: Sandbox,
+    /// Every stage is told this many threads instead of its share; for finding out whether it matters.
+    pub threads: Option<u32>,
     /// How patient the host is with plugins.
     pub limits: crate::host::Limits,
     /// Told what happens.

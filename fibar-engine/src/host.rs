@@ -1,18 +1,19 @@
 //! The plugin host: starts a plugin, talks to it, watches it, and never trusts it.
 
+mod launch;
 mod run;
 mod session;
 mod work;
 
+pub use launch::{Launch, Sandbox};
 pub use run::{End, Report, RunSetup, run};
 pub use work::{Collected, WorkFolder};
 
-use crate::{Class, Error, Result};
+use crate::{Class, Error, Result, Store};
 use fibar_core::diagnostic::Diagnostic;
 use fibar_core::protocol::{Description, Hello, HostMessage, PROTOCOL_VERSION, PluginMessage};
 use session::{Heard, Session};
 use std::path::Path;
-use std::process::Command;
 use std::time::{Duration, Instant};
 
 /// How patient the host is.
@@ -40,13 +41,22 @@ impl Default for Limits {
 }
 
 /// Asks a plugin to describe itself.
-pub fn describe(executable: &Path, limits: &Limits) -> Result<Description> {
+pub fn describe(executable: &Path, store: &Store, limits: &Limits) -> Result<Description> {
     let fault = |message: String| {
         let message = format!("{} does not describe itself: {message}", executable.display());
         Error::new(Class::Plugin, Diagnostic::error(message).hint("is it a plugin of this version of fibar?"))
     };
-    let mut command = Command::new(executable);
-    environment(&mut command, 1, None);
+    let folder = WorkFolder::new(store, "describe")?;
+    let launch = Launch {
+        executable,
+        description: None,
+        folder: folder.path(),
+        scratch: &store.scratch()?,
+        readable: &[],
+        threads: 1,
+        sandbox: Sandbox::Auto,
+    };
+    let command = launch.command().map_err(|e| fault(e.to_string()))?;
     let mut session = Session::start(command).map_err(|e| fault(e.to_string()))?;
     let result = greet(&mut session, limits).and_then(|()| {
         session.send(&HostMessage::Describe {});
@@ -70,19 +80,5 @@ fn greet(session: &mut Session, limits: &Limits) -> std::result::Result<(), Stri
             hello.name, hello.protocol
         )),
         other => Err(other.complaint("hello")),
-    }
-}
-
-/// The environment a plugin sees: nothing of the user's, only what every run has alike.
-fn environment(command: &mut Command, threads: u32, folder: Option<&Path>) {
-    command.env_clear();
-    command.env("PATH", "/usr/local/bin:/usr/bin:/bin").env("LANG", "C.UTF-8").env("TZ", "UTC");
-    command.env("RAYON_NUM_THREADS", threads.to_string()).env("OMP_NUM_THREADS", threads.to_string());
-    command.env("PYTHONDONTWRITEBYTECODE", "1").env("PYTHONHASHSEED", "0");
-    if cfg!(windows) {
-        command.envs(["SYSTEMROOT", "PATH"].into_iter().filter_map(|k| std::env::var_os(k).map(|v| (k, v))));
-    }
-    if let Some(folder) = folder {
-        command.current_dir(folder).env("HOME", folder.join("tmp")).env("TMPDIR", folder.join("tmp"));
     }
 }

@@ -1,7 +1,11 @@
 //! Plugins: where they are, what they say about themselves, which bytes they are.
 
+mod environment;
 mod find;
+pub(crate) mod programs;
 
+pub(crate) use environment::ensure as ensure_environment;
+pub use environment::{Python, Ready as EnvironmentReady};
 pub use find::PluginPath;
 
 use crate::error::IoContext;
@@ -9,7 +13,7 @@ use crate::host::{self, Limits};
 use crate::{Class, Digest, Error, Result, Store};
 use fibar_core::diagnostic::Diagnostic;
 use fibar_core::protocol::Description;
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 
 /// A plugin that was found and described.
 #[derive(Debug, Clone)]
@@ -22,6 +26,8 @@ pub struct Plugin {
     pub digest: Digest,
     /// What it says about itself.
     pub description: Description,
+    /// The interpreter for its environment, if it names one.
+    pub python: Option<Python>,
 }
 
 impl Plugin {
@@ -33,31 +39,45 @@ impl Plugin {
         let description: Description = match known {
             Some(description) => description,
             None => {
-                let description = host::describe(executable, &Limits::default())?;
+                let description = host::describe(executable, store, &Limits::default())?;
                 check_description(name, &description)?;
                 let bytes = serde_json::to_vec(&description).expect("a description is plain data");
                 store.publish_bytes(&cache, &bytes)?;
                 description
             }
         };
-        let digest = whole_digest(own, executable, &description, store)?;
-        Ok(Plugin { name: name.into(), executable: executable.to_owned(), digest, description })
+        let wanted = description.environment.as_ref();
+        let python = wanted.map(|wanted| environment::find(wanted, store)).transpose()?;
+        let digest = whole_digest(own, executable, &description, python.as_ref(), store)?;
+        Ok(Plugin { name: name.into(), executable: executable.to_owned(), digest, description, python })
     }
 }
 
-/// The digest of executable and runtime files together.
-fn whole_digest(own: Digest, executable: &Path, description: &Description, store: &Store) -> Result<Digest> {
-    if description.runtime_files.is_empty() {
-        return Ok(own);
-    }
+/// The digest of everything a plugin consists of: executable, runtime files, interpreters. That of a plain executable is
+/// its own.
+fn whole_digest(
+    own: Digest,
+    executable: &Path,
+    description: &Description,
+    python: Option<&Python>,
+    store: &Store,
+) -> Result<Digest> {
     let folder = executable.parent().unwrap_or(Path::new("."));
     let mut listing = own.to_string();
-    for file in &description.runtime_files {
+    let lock = description.environment.as_ref().map(|environment| &environment.requirements);
+    for file in description.runtime_files.iter().chain(lock) {
         let path = folder.join(file);
         let (digest, _) = store.stats.digest_of(&path).context("read the plugin's file", &path)?;
         listing.push_str(&format!("\n{digest} {file}"));
     }
-    Ok(Digest::of(listing.as_bytes()))
+    if let Some(python) = python {
+        listing.push_str(&format!("\n{} python", python.digest));
+    }
+    if let Some(path) = programs::interpreter_of(executable) {
+        let (digest, _) = store.stats.digest_of(&path).context("read the interpreter", &path)?;
+        listing.push_str(&format!("\n{digest} interpreter"));
+    }
+    Ok(if listing.contains('\n') { Digest::of(listing.as_bytes()) } else { own })
 }
 
 /// What every description has to get right, whoever wrote the plugin.
@@ -81,6 +101,11 @@ fn check_description(name: &str, description: &Description) -> Result<()> {
         let odd = ports.iter().find(|name| name.is_empty() || name.contains(['/', '\\', '.', '\0']));
         faults.extend(odd.map(|name| format!("{name:?} is no name for a port")));
     }
+    let files =
+        description.runtime_files.iter().chain(description.environment.iter().map(|e| &e.requirements));
+    let beside = |file: &&String| Path::new(file).components().all(|c| matches!(c, Component::Normal(_)));
+    let odd = files.filter(|file| !beside(file));
+    faults.extend(odd.map(|file| format!("its file {file:?} does not lie beside or below it")));
     if faults.is_empty() {
         return Ok(());
     }

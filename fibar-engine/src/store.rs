@@ -9,6 +9,8 @@
 //! | `work/` | private folders of running stages, and of crashed ones |
 //! | `quarantine/` | blobs whose bytes no longer match their name |
 //! | `tmp/` | files on their way |
+//! | `environments/` | Python environments of stages, by lock file and interpreter |
+//! | `empty/` | nothing, ever: where sandboxes begin |
 //!
 //! Every file becomes visible by rename, complete; a build syncs all its files at its end, at once (see
 //! `docs/decisions/sync-once.md`). No database, no daemon; deleting the store costs time only.
@@ -87,6 +89,13 @@ impl Store {
     /// A fresh private folder for a run.
     pub fn new_work_folder(&self, label: &str) -> crate::Result<PathBuf> {
         let folder = self.root.join("work").join(unique_name(label));
+        std::fs::create_dir_all(&folder).context("make the folder", &folder)?;
+        Ok(folder)
+    }
+
+    /// An empty folder that nothing is ever put into.
+    pub fn scratch(&self) -> crate::Result<PathBuf> {
+        let folder = self.root.join("empty");
         std::fs::create_dir_all(&folder).context("make the folder", &folder)?;
         Ok(folder)
     }

@@ -70,6 +70,14 @@ impl Job {
         self.request.seed
     }
 
+    /// The interpreter of the Python environment that the description names, set up by the host.
+    pub fn python(&self) -> Result<&Path, StageError> {
+        self.request.python.as_deref().map(Path::new).ok_or_else(|| {
+            StageError::resource("the request names no Python")
+                .hint("add it: \"python\": \"…/bin/python\", with the packages of the requirements")
+        })
+    }
+
     /// The folder for outputs, empty at the start.
     pub fn out_dir(&self) -> &Path {
         Path::new(&self.request.out_dir)

@@ -1,6 +1,7 @@
 //! What `fibar` understands.
 
 use clap::{Args, Parser, Subcommand};
+use fibar_engine::host::Sandbox;
 use fibar_engine::recipe::Override;
 use std::path::PathBuf;
 
@@ -65,9 +66,33 @@ pub struct BuildOptions {
     /// Make build folders in here.
     #[arg(long, value_name = "FOLDER", default_value = "build")]
     pub out: PathBuf,
+    /// Confine stages to their inputs, their out folder and no network.
+    #[arg(long, value_enum, default_value = "auto")]
+    pub sandbox: SandboxChoice,
     /// Show log lines of stages too.
     #[arg(short, long)]
     pub verbose: bool,
+}
+
+/// Whether stages are confined.
+#[derive(Debug, Clone, Copy, clap::ValueEnum)]
+pub enum SandboxChoice {
+    /// Where the system grants user namespaces; elsewhere the build says that it does not.
+    Auto,
+    /// Never.
+    Off,
+    /// Always; without, nothing runs.
+    Require,
+}
+
+impl From<SandboxChoice> for Sandbox {
+    fn from(choice: SandboxChoice) -> Sandbox {
+        match choice {
+            SandboxChoice::Auto => Sandbox::Auto,
+            SandboxChoice::Off => Sandbox::Off,
+            SandboxChoice::Require => Sandbox::Require,
+        }
+    }
 }
 
 /// How to verify.

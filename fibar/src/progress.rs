@@ -98,6 +98,7 @@ impl Observer for Progress {
                 self.end_bar(&label(stage));
                 self.say(&format!("{}: failed", label(stage)));
             }
+            Event::Note { text } => self.say(text),
             Event::Rebuilding { digest } => {
                 self.say(&format!("artefact {} is damaged or gone, building it again", digest.short()));
             }

@@ -39,6 +39,22 @@ pub struct Description {
     /// Programs the stage starts, by name; the sandbox lets it see their folders.
     #[serde(default)]
     pub programs: Vec<String>,
+    /// A Python environment that the host sets up once, outside the sandbox.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub environment: Option<Environment>,
+}
+
+/// A Python environment: what pip installs from a lock file. Lock and interpreter enter the plugin digest; a run gets the
+/// path of the environment's interpreter.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Environment {
+    /// The lock file beside the executable, relative to it: `requirements.txt` with hashes.
+    pub requirements: String,
+    /// The oldest Python that will do, e.g. `[3, 11]`.
+    pub oldest: [u32; 2],
+    /// The newest.
+    pub newest: [u32; 2],
 }
 
 /// Something a stage reads.
@@ -125,6 +141,7 @@ impl Description {
             resources: Resources::default(),
             runtime_files: Vec::new(),
             programs: Vec::new(),
+            environment: None,
         }
     }
 
@@ -206,6 +223,17 @@ impl Description {
     /// A file beside the executable that changes what the stage does.
     pub fn runtime_file(mut self, path: &str) -> Description {
         self.runtime_files.push(path.into());
+        self
+    }
+
+    /// The Python environment of the stage; `job.python()` is its interpreter.
+    pub fn python_environment(
+        mut self,
+        requirements: &str,
+        oldest: [u32; 2],
+        newest: [u32; 2],
+    ) -> Description {
+        self.environment = Some(Environment { requirements: requirements.into(), oldest, newest });
         self
     }
 

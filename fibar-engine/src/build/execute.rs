@@ -2,8 +2,9 @@
 
 use super::observer::{Event, Outcome, StageName};
 use super::{BuildOptions, budget::Grant};
-use crate::host::{End, Report, RunSetup, WorkFolder, run};
+use crate::host::{End, Launch, Report, RunSetup, WorkFolder, run};
 use crate::plan::{Manifest, PlannedStage};
+use crate::plugin::ensure_environment;
 use crate::store::{Action, KeyLock, Rot};
 use crate::{Class, Digest, Error, Store};
 use fibar_core::diagnostic::Diagnostic;
@@ -37,11 +38,21 @@ impl Execution<'_> {
         let started = Instant::now();
         let mut folder = WorkFolder::new(store, &self.stage.id)?;
         let is_tree = |digest: &Digest| self.trees.contains(digest);
-        let request = folder.prepare(self.stage, &self.manifest.inputs, is_tree, self.grant.cores)?;
+        let environment = self.environment()?;
+        let python = environment.as_ref().map(|ready| ready.python.as_path());
+        let threads = self.options.threads.unwrap_or(self.grant.cores);
+        let request = folder.prepare(self.stage, &self.manifest.inputs, is_tree, threads, python)?;
         let report = run(&RunSetup {
-            executable: &self.stage.plugin.executable,
+            launch: Launch {
+                executable: &self.stage.plugin.executable,
+                description: Some(&self.stage.plugin.description),
+                folder: folder.path(),
+                scratch: &store.scratch()?,
+                readable: environment.as_ref().map_or(&[], |ready| &ready.readable),
+                threads,
+                sandbox: self.options.sandbox,
+            },
             request: &request,
-            folder: folder.path(),
             limits: self.options.limits,
             is_cancelled: self.options.is_cancelled,
             listener: &|message: &PluginMessage| {
@@ -50,6 +61,11 @@ impl Execution<'_> {
         });
         let action = self.publish(&mut folder, report, started)?;
         Ok((action, Outcome::Executed))
+    }
+
+    fn environment(&self) -> crate::Result<Option<crate::plugin::EnvironmentReady>> {
+        let note = |text: &str| self.options.observer.event(&Event::Note { text });
+        ensure_environment(&self.stage.plugin, self.options.store, &note)
     }
 
     fn lock(&self) -> crate::Result<KeyLock> {

@@ -61,6 +61,11 @@ pub enum Event<'a> {
         /// Which.
         stage: StageName<'a>,
     },
+    /// Something people should know that concerns no stage alone.
+    Note {
+        /// One line.
+        text: &'a str,
+    },
     /// An artefact was found damaged and is being rebuilt.
     Rebuilding {
         /// Which.

@@ -104,6 +104,8 @@ struct Scheduler<'a> {
     running: usize,
     free: Free,
     failures: Vec<Rot>,
+    /// Whether the state of the sandbox was told.
+    said: bool,
 }
 
 impl<'a> Scheduler<'a> {
@@ -128,6 +130,7 @@ impl<'a> Scheduler<'a> {
             running: 0,
             free: Free::new(options.budget),
             failures: Vec::new(),
+            said: false,
         }
     }
 
@@ -186,6 +189,17 @@ impl<'a> Scheduler<'a> {
         StageName { build: &self.plans[p].name, stage: &self.plans[p].stages[s].id }
     }
 
+    /// Says once, before anything runs, that stages are not confined.
+    fn say_if_open(&mut self) {
+        if std::mem::replace(&mut self.said, true) {
+            return;
+        }
+        if let Err(reason) = self.options.sandbox.granted() {
+            let text = format!("note: stages run without a sandbox, with network and all files: {reason}");
+            self.options.observer.event(&Event::Note { text: &text });
+        }
+    }
+
     /// Starts ready actions while the budget lasts.
     fn launch<'scope, 'env>(&mut self, scope: &'scope Scope<'scope, 'env>)
     where
@@ -197,6 +211,7 @@ impl<'a> Scheduler<'a> {
                 self.ready.push_front((key, manifest));
                 break;
             }
+            self.say_if_open();
             let slot = self.waiting[&key][0];
             let wish = &self.plans[slot.0].stages[slot.1].plugin.description.resources;
             match self.free.take(wish, 1 + self.ready.len()) {

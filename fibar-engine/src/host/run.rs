@@ -1,13 +1,12 @@
 //! One run: send the request, listen, ping, cancel, and say how it ended.
 
 use super::session::{Heard, Session};
-use super::{Limits, environment, greet};
+use super::{Launch, Limits, greet};
 use fibar_core::protocol::{
     Done, Failure, FailureKind, HostMessage, Metric, PluginMessage, Request, Violation,
 };
 use std::collections::VecDeque;
-use std::path::Path;
-use std::process::{Command, ExitStatus};
+use std::process::ExitStatus;
 use std::time::{Duration, Instant};
 
 /// More metrics or violations than this are a flood.
@@ -19,12 +18,10 @@ const TICK: Duration = Duration::from_millis(50);
 
 /// What a run needs.
 pub struct RunSetup<'a> {
-    /// The plugin.
-    pub executable: &'a Path,
-    /// What it is asked; paths are relative to `folder`.
+    /// The plugin and its surroundings.
+    pub launch: Launch<'a>,
+    /// What it is asked; paths are relative to its private folder.
     pub request: &'a Request,
-    /// Its private folder.
-    pub folder: &'a Path,
     /// How patient the host is.
     pub limits: Limits,
     /// Whether the user wants to stop.
@@ -63,9 +60,7 @@ pub enum End {
 pub fn run(setup: &RunSetup<'_>) -> Report {
     let mut report =
         Report { end: End::Cancelled, metrics: Vec::new(), violations: Vec::new(), last_lines: Vec::new() };
-    let mut command = Command::new(setup.executable);
-    environment(&mut command, setup.request.threads, Some(setup.folder));
-    match Session::start(command) {
+    match setup.launch.command().and_then(Session::start) {
         Ok(session) => Conversation::new(setup, session).hold(&mut report),
         Err(e) => report.end = End::Broken(format!("it cannot be started: {e}")),
     }

@@ -41,7 +41,6 @@ impl Session {
     pub fn start(mut command: Command) -> std::io::Result<Session> {
         command.arg(fibar_core::protocol::STDIO_FLAG);
         command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
-        os::isolate(&mut command);
         let mut child = command.spawn()?;
         let (to_plugin, lines) = channel();
         let (heard, from_plugin) = sync_channel(MAX_UNREAD);

@@ -58,6 +58,7 @@ impl<'a> WorkFolder<'a> {
         digests: &InputDigests,
         is_tree: impl Fn(&Digest) -> bool,
         threads: u32,
+        python: Option<&Path>,
     ) -> std::result::Result<Request, Rot> {
         let mut inputs: BTreeMap<String, Vec<InputArtefact>> = BTreeMap::new();
         for (port, digests) in digests {
@@ -77,6 +78,7 @@ impl<'a> WorkFolder<'a> {
             seed: stage.seed.unwrap_or(0),
             threads,
             memory_bytes: u64::from(stage.plugin.description.resources.memory_mb) << 20,
+            python: python.map(|path| path.display().to_string()),
         };
         let path = self.folder.join("request.json");
         let text = serde_json::to_vec_pretty(&request).expect("a request is plain data");

@@ -1,6 +1,7 @@
 //! A workbench: a folder with plugins, a store, recipes and a build folder.
 
 use fibar_engine::build::{self, Budget, BuildOptions, Silent, Waivers};
+use fibar_engine::host::Sandbox;
 use fibar_engine::ledger::BuildReport;
 use fibar_engine::plugin::PluginPath;
 use fibar_engine::{Result, Store};
@@ -14,6 +15,7 @@ pub struct Bench {
     folder: TempDir,
     pub waivers: Waivers,
     pub cores: u32,
+    pub sandbox: Sandbox,
 }
 
 /// A recipe of all demo stages, with `extra` lines for each: make, upper, bind, verify.
@@ -36,7 +38,7 @@ impl Bench {
         for name in STAGES {
             std::fs::copy(&stages, folder.path().join("plugins").join(name)).unwrap();
         }
-        Bench { folder, waivers: Waivers::Respect, cores: 2 }
+        Bench { folder, waivers: Waivers::Respect, cores: 2, sandbox: Sandbox::Auto }
     }
 
     pub fn path(&self, name: &str) -> PathBuf {
@@ -79,6 +81,8 @@ impl Bench {
                 budget: Budget { cores: self.cores, memory_mb: 4096 },
                 out: self.path("build"),
                 waivers: self.waivers,
+                sandbox: self.sandbox,
+                threads: None,
                 limits: Default::default(),
                 observer: &Silent,
                 is_cancelled,
