@@ -81,6 +81,9 @@ impl Bvh {
 
     fn search_leaf(&self, node: &Node, probe: &impl Probe, below: &mut f64, best: &mut Option<Hit>) {
         for k in node.from as usize..node.to as usize {
+            if probe.at_least(&self.triangles[k]) >= *below {
+                continue;
+            }
             let contact = probe.contact(&self.triangles[k]);
             if contact.distance < *below {
                 *below = contact.distance;

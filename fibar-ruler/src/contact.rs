@@ -26,6 +26,10 @@ pub trait Probe {
     fn bounds(&self) -> (DVec3, DVec3);
     /// The shortest bridge from here to a triangle.
     fn contact(&self, triangle: &Triangle) -> Contact;
+    /// A length that the shortest bridge certainly has, cheaper to find.
+    fn at_least(&self, _triangle: &Triangle) -> f64 {
+        0.0
+    }
 }
 
 impl Contact {
@@ -76,10 +80,25 @@ impl Probe for Triangle {
     }
 
     fn contact(&self, triangle: &Triangle) -> Contact {
-        let from_here = edges(self).map(|edge| edge.contact(triangle));
-        let from_there = edges(triangle).map(|edge| edge.contact(self).flipped());
+        let pierced = edges(self).find_map(|edge| edge.piercing(triangle));
+        if let Some(point) = pierced.or_else(|| edges(triangle).find_map(|edge| edge.piercing(self))) {
+            return Contact::meeting(point);
+        }
         let far_off = Contact { distance: f64::INFINITY, near: self[0], far: triangle[0] };
-        from_here.chain(from_there).fold(far_off, Contact::or_shorter)
+        let from_here = self.iter().map(|corner| corner.contact(triangle));
+        let from_there = triangle.iter().map(|corner| corner.contact(self).flipped());
+        let along = edges(self).flat_map(|edge| edges(triangle).map(move |other| edge.to_segment(&other)));
+        from_here.chain(from_there).chain(along).fold(far_off, Contact::or_shorter)
+    }
+
+    /// From the middle of this triangle straight to the nearest point of the other: all of the other lies beyond that
+    /// point, and this one reaches no further than its furthest corner.
+    fn at_least(&self, triangle: &Triangle) -> f64 {
+        let middle = (self[0] + self[1] + self[2]) / 3.0;
+        let bridge = nearest_on_triangle(middle, triangle).0 - middle;
+        let length = bridge.length();
+        let reach = self.iter().map(|corner| (*corner - middle).dot(bridge)).fold(0.0, f64::max);
+        if length > 0.0 { length - reach / length } else { 0.0 }
     }
 }
 
@@ -186,6 +205,7 @@ mod tests {
         assert!((found.near.distance(found.far) - found.distance).abs() < 1e-12);
         let sampled = points.iter().flat_map(|p| grid(triangle, 24).into_iter().map(move |q| p.distance(q)));
         let sampled = sampled.fold(f64::INFINITY, f64::min);
+        assert!(probe.at_least(triangle) <= found.distance + 1e-12);
         assert!(found.distance <= sampled + 1e-12, "{} is not the least: {sampled}", found.distance);
         assert!(sampled - found.distance < 0.25, "{} is too small: {sampled}", found.distance);
     }

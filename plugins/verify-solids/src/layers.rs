@@ -103,3 +103,68 @@ fn cut(triangle: Triangle) -> Vec<Triangle> {
     }
     pieces
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::part::tests::object;
+    use crate::topology::tests::{cuboid, inside_out, together};
+    use glam::DVec3;
+
+    /// Boxes about the origin, each filling up what the one before left.
+    fn shells(sizes: &[DVec3]) -> Vec<TriangleMesh> {
+        let boxes: Vec<TriangleMesh> = sizes.iter().map(|half| cuboid(-*half, *half)).collect();
+        let hollow = |pair: &[TriangleMesh]| together(&[pair[1].clone(), inside_out(pair[0].clone())]);
+        boxes[..1].iter().cloned().chain(boxes.windows(2).map(hollow)).collect()
+    }
+
+    #[track_caller]
+    fn check(cladding: DVec3, black: DVec3, body: DVec3, [in_cladding, in_black, in_skin]: [f64; 3]) {
+        let parts =
+            shells(&[DVec3::splat(2.0), DVec3::splat(2.0) + cladding, DVec3::splat(2.0) + cladding + black]);
+        let whole = DVec3::splat(2.0) + cladding + black + body;
+        let walls = measure(&object(cuboid(-whole, whole), &parts), 3.0);
+        for (role, expected) in walls.iter().zip([in_cladding, in_black, in_skin]) {
+            let (name, wall) = &role.walls[0];
+            assert!((wall.thickness - expected).abs() < 1e-9, "{name}: {wall:?} instead of {expected}");
+        }
+    }
+
+    #[test]
+    fn walls_of_boxes_in_boxes() {
+        let thick = DVec3::splat(0.7);
+        check(thick, thick, thick, [0.7, 0.7, 0.7]);
+        check(DVec3::new(0.5, 0.9, 0.8), thick, thick, [0.5, 0.7, 0.7]);
+        check(thick, DVec3::new(0.9, 0.9, 0.3), DVec3::new(2.0, 0.4, 2.0), [0.7, 0.3, 0.4]);
+    }
+
+    #[test]
+    fn a_bare_core_has_no_wall() {
+        let core = cuboid(DVec3::splat(-2.0), DVec3::splat(2.0));
+        // Covers all but the side towards +x.
+        let around = [DVec3::new(-2.5, -2.5, -2.5), DVec3::new(2.0, 2.5, 2.5)];
+        let cladding = together(&[cuboid(around[0], around[1]), inside_out(core.clone())]);
+        let body = cuboid(DVec3::splat(-9.0), DVec3::splat(9.0));
+        let walls = measure(&object(body, &[core, cladding]), 3.0);
+        assert_eq!(walls[0].walls[0].1.thickness, 0.0);
+    }
+
+    #[test]
+    fn near_the_ends_nothing_is_measured() {
+        let parts = shells(&[DVec3::new(1.0, 1.0, 9.0), DVec3::new(1.5, 1.5, 9.1)]);
+        let mut object = object(cuboid(DVec3::splat(-20.0), DVec3::splat(20.0)), &parts);
+        assert!((measure(&object, 3.0)[0].walls[0].1.thickness - 0.1).abs() < 1e-9);
+        object.fibre_ends = vec![DVec3::Z * 9.0, DVec3::Z * -9.0];
+        assert!((measure(&object, 3.0)[0].walls[0].1.thickness - 0.5).abs() < 1e-9);
+    }
+
+    #[test]
+    fn pieces_are_small_and_cover_the_triangle() {
+        let whole = [DVec3::ZERO, DVec3::X * 9.0, DVec3::Y * 0.4];
+        let area = |t: &Triangle| (t[1] - t[0]).cross(t[2] - t[0]).length() / 2.0;
+        let pieces = cut(whole);
+        assert!((pieces.iter().map(area).sum::<f64>() - area(&whole)).abs() < 1e-12);
+        let longest = pieces.iter().flat_map(|[a, b, c]| [a.distance(*b), b.distance(*c), c.distance(*a)]);
+        assert!(longest.fold(0.0, f64::max) <= PIECE_MM);
+    }
+}

@@ -81,3 +81,33 @@ fn distinct(mut vertices: Vec<DVec3>) -> usize {
     vertices.dedup();
     vertices.len()
 }
+
+#[cfg(test)]
+pub mod tests {
+    //! An object to check.
+
+    use super::*;
+    use fibar_core::PatternId;
+    use fibar_core::artefact::sockets::{Hole, Socket};
+
+    /// A body with one hole, Ø 4 × 3 mm below (0, 0, −7), and solids of LED 0 in the order of the roles.
+    pub fn object(body: TriangleMesh, meshes: &[TriangleMesh]) -> Object {
+        let part = |(mesh, role): (&TriangleMesh, Role)| Part {
+            name: role.name().into(),
+            role,
+            led: Some(LedId(0)),
+            mesh: mesh.clone(),
+            merged_vertices: 0,
+        };
+        let hole = Hole { diameter_mm: 4.0, depth_mm: 3.0 };
+        let position = DVec3::new(0.0, 0.0, -7.0);
+        let socket = Socket { led: LedId(0), pattern: PatternId(1), position, axis: DVec3::Z };
+        Object {
+            body,
+            sockets: Sockets::new(hole, vec![socket]),
+            fibre_ends: Vec::new(),
+            skin_mm: 0.4,
+            parts: meshes.iter().zip(Role::ALL).map(part).collect(),
+        }
+    }
+}

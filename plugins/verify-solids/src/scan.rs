@@ -165,3 +165,41 @@ fn add_holes(events: &mut Vec<Event>, sockets: &Sockets, row: usize, grid: &Grid
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::part::tests::object;
+    use crate::topology::tests::cuboid;
+
+    /// A body of 10 mm cubed and two parts that fill it from below up to `low` and from above down to `high`.
+    #[track_caller]
+    fn check(low: f64, high: f64, [overlap, gap, outside]: [f64; 3]) {
+        let corners = [DVec3::ZERO, DVec3::splat(10.0)];
+        let parts =
+            [cuboid(corners[0], DVec3::new(10.0, 10.0, low)), cuboid(DVec3::new(0.0, 0.0, high), corners[1])];
+        let found = scan(&object(cuboid(corners[0], corners[1]), &parts), 0.25);
+        let volumes = [found.overlap.length, found.gap.length, found.outside.length];
+        for (found, expected) in volumes.into_iter().zip([overlap, gap, outside]) {
+            assert!((found - expected).abs() < 1e-6, "{volumes:?}");
+        }
+        assert_eq!(found.skipped_lines, 0);
+    }
+
+    #[test]
+    fn volumes_of_overlaps_and_gaps() {
+        check(5.0, 5.0, [0.0, 0.0, 0.0]);
+        check(6.0, 5.0, [100.0, 0.0, 0.0]);
+        check(5.0, 7.0, [0.0, 200.0, 0.0]);
+        check(12.0, 10.0, [0.0, 0.0, 200.0]);
+    }
+
+    #[test]
+    fn the_hole_of_the_only_socket_is_measured() {
+        let body = cuboid(DVec3::splat(-10.0), DVec3::splat(10.0));
+        let found = scan(&object(body.clone(), &[body]), 0.1);
+        // Ø 4 mm, from z = −7 down to the base at −10.
+        let exact = std::f64::consts::PI * 4.0 * 3.0;
+        assert!((found.hole / exact - 1.0).abs() < 5e-3, "{} instead of {exact}", found.hole);
+    }
+}

@@ -19,12 +19,16 @@ const THICKEST_MM: f64 = 20.0;
 /// Triangles that one thread takes at a time; fixed, so that the answer does not depend on the threads.
 const CHUNK: usize = 2048;
 
-/// The least distance from any triangle of one side to any of the other: exact for the meshes, since the distance of two
-/// triangles is. None if there is nothing within [`THICKEST_MM`].
+/// A place must be thinner than the thinnest so far by this to be looked at, mm.
+const TOLERANCE_MM: f64 = 1e-3;
+
+/// The least distance from any triangle of one side to any of the other. Distances of triangles are exact, so the wall is
+/// that thin at its place, and nowhere thinner by more than [`TOLERANCE_MM`]. None if there is nothing within
+/// [`THICKEST_MM`].
 pub fn thinnest(side: &[Triangle], other: &Bvh) -> Option<Wall> {
     let nearest_of = |chunk: &[Triangle]| {
         let shorter = |best: Option<Contact>, t: &Triangle| {
-            let below = best.map_or(THICKEST_MM, |contact| contact.distance);
+            let below = best.map_or(THICKEST_MM, |contact| contact.distance - TOLERANCE_MM);
             other.nearest(t, below).or(best)
         };
         chunk.iter().fold(None, shorter)
