@@ -51,16 +51,17 @@ pub fn find_consensus(
 ) -> Option<Estimate> {
     let mut random = ChaCha8Rng::seed_from_u64(options.seed);
     let mut best: Option<(Fit, Vec<usize>)> = None;
-    let (mut drawn, mut needed) = (0, options.max_samples);
+    let (mut drawn, mut needed, mut most) = (0, options.max_samples, 3);
     while drawn < needed && seen.len() >= 4 {
         drawn += 1;
         let sample = draw_three(&mut random, seen.len()).map(|k| seen[k]);
         let bearings = sample.map(|s| camera.bearing(s.pixel));
         for pose in p3p::solve(bearings, sample.map(|s| s.point)).iter() {
-            let agreeing = inliers(camera, pose, seen, options.gate_px);
-            if agreeing.len() < 4 || best.as_ref().is_some_and(|(_, most)| agreeing.len() < most.len()) {
+            let count = seen.iter().filter(|s| agrees(camera, pose, s, options.gate_px)).count();
+            if count <= most {
                 continue;
             }
+            most = count;
             let Some(local) = optimise(camera, pose, seen, options.gate_px) else { continue };
             if best.as_ref().is_none_or(|b| is_better(&local, b)) {
                 needed = needed.min(samples_needed(local.1.len(), seen.len(), options));
@@ -106,11 +107,12 @@ fn conclude(camera: &Camera, fit: Fit, inliers: Vec<usize>, seen: &[Corresponden
 }
 
 fn inliers(camera: &Camera, pose: &Pose, seen: &[Correspondence], gate_px: f64) -> Vec<usize> {
-    let agrees = |s: &Correspondence| {
-        let z = pose.apply(s.point);
-        z.z > 0.0 && camera.project(z).distance_squared(s.pixel) <= gate_px * gate_px
-    };
-    (0..seen.len()).filter(|&k| agrees(&seen[k])).collect()
+    (0..seen.len()).filter(|&k| agrees(camera, pose, &seen[k], gate_px)).collect()
+}
+
+fn agrees(camera: &Camera, pose: &Pose, seen: &Correspondence, gate_px: f64) -> bool {
+    let z = pose.apply(seen.point);
+    z.z > 0.0 && camera.project(z).distance_squared(seen.pixel) <= gate_px * gate_px
 }
 
 /// Samples until three right ones of `right` among `all` have been drawn with the wanted confidence.

@@ -24,8 +24,8 @@ pub struct Judge<'a> {
 pub struct Judgement {
     /// Blobs within the gate of a marker of their pattern.
     pub explained: usize,
-    /// Markers that face the camera.
-    pub facing: usize,
+    /// Markers that could be seen.
+    pub possible: usize,
     /// Log likelihood, up to a constant of the image.
     pub merit: f64,
 }
@@ -61,7 +61,7 @@ impl<'a> Judge<'a> {
     /// The full judgement.
     pub fn judge(&self, pose: &Pose, gate_px: f64) -> Judgement {
         let names = self.model.name(self.camera, pose, self.blobs, gate_px);
-        let mut judgement = Judgement { explained: 0, facing: 0, merit: 0.0 };
+        let mut judgement = Judgement { explained: 0, possible: 0, merit: 0.0 };
         for (blob, name) in self.blobs.iter().zip(&names) {
             let place = name.and_then(|marker| self.model.project(self.camera, pose, marker));
             if let Some(place) = place {
@@ -69,16 +69,17 @@ impl<'a> Judge<'a> {
                 judgement.merit += GAIN - 2.0 * place.distance_squared(blob.at) / (gate_px * gate_px);
             }
         }
-        judgement.facing = (0..self.model.markers().len())
-            .filter(|&k| self.model.project(self.camera, pose, k).is_some())
-            .count();
-        judgement.merit -= LOSS * judgement.facing.saturating_sub(judgement.explained) as f64;
+        for marker in (0..self.model.markers().len()).filter(|k| !names.contains(&Some(*k))) {
+            judgement.possible += usize::from(self.model.project(self.camera, pose, marker).is_some());
+            judgement.merit -= if self.model.surely_lit(self.camera, pose, marker) { LOSS } else { 0.0 };
+        }
+        judgement.possible += judgement.explained;
         judgement
     }
 
     /// Expected number of poses, among `tried`, that explain as many blobs beyond their own three by chance.
     pub fn false_alarms(&self, judgement: &Judgement, tried: usize, gate_px: f64) -> f64 {
-        let per_pattern = judgement.facing as f64 / self.model.patterns().max(1) as f64;
+        let per_pattern = judgement.possible as f64 / self.model.patterns().max(1) as f64;
         let chance = (per_pattern * std::f64::consts::PI * gate_px * gate_px / self.area_px2).min(1.0);
         let others = self.blobs.len().saturating_sub(3);
         let agreeing = judgement.explained.saturating_sub(3);

@@ -4,7 +4,7 @@ use crate::camera::Camera;
 use crate::pose::Pose;
 use fibar_core::artefact::constellation::{Constellation, Marker};
 use fibar_core::id::PatternId;
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 
 /// A blob in the image whose pattern has been decoded.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -20,8 +20,21 @@ pub struct Blob {
 pub struct Model {
     markers: Vec<Marker>,
     by_pattern: Vec<(PatternId, Vec<usize>)>,
-    cos_emission: f64,
+    near: Vec<Vec<usize>>,
+    emission: Emission,
 }
+
+/// Cosines of the angles from the normal within which a marker surely shows, and beyond which it surely does not.
+#[derive(Clone, Copy, Debug)]
+struct Emission {
+    cos_sure: f64,
+    cos_possible: f64,
+}
+
+/// How far a marker may be off its limit of emission before that counts, rad: poses are a little off, normals too.
+const EMISSION_SLACK: f64 = 0.14;
+/// How many neighbours of a marker are taken to be near it: about two rings.
+const NEAR: usize = 20;
 
 impl Model {
     /// The constellation's markers, which light up to `emission_rad` from their normals.
@@ -29,7 +42,12 @@ impl Model {
         let markers = constellation.markers.clone();
         let blinking = |p: PatternId| (0..markers.len()).filter(|&k| markers[k].pattern == p).collect();
         let by_pattern = constellation.patterns.iter().map(|p| (p.id, blinking(p.id))).collect();
-        Model { by_pattern, cos_emission: libm::cos(emission_rad), markers }
+        let limit = |angle: f64| libm::cos(angle.clamp(0.0, std::f64::consts::FRAC_PI_2));
+        let emission = Emission {
+            cos_sure: limit(emission_rad - EMISSION_SLACK),
+            cos_possible: limit(emission_rad + EMISSION_SLACK),
+        };
+        Model { by_pattern, emission, near: find_near(&markers), markers }
     }
 
     /// The markers.
@@ -48,15 +66,28 @@ impl Model {
         found.map_or(&[], |(_, markers)| markers)
     }
 
+    /// The markers nearest to a marker among those that can be seen along with it, the nearest first.
+    pub fn near(&self, marker: usize) -> &[usize] {
+        &self.near[marker]
+    }
+
     /// Where a marker would be seen, px, if the object hid none of it; `None` when it faces away or lies outside.
     pub fn project(&self, camera: &Camera, pose: &Pose, marker: usize) -> Option<DVec2> {
-        let Marker { position, normal, .. } = &self.markers[marker];
-        let z = pose.apply(*position);
-        let toward_camera = -(pose.rotation * *normal).dot(z);
-        let faces = z.z > 0.0 && toward_camera > 0.0;
-        let lit = faces
-            && toward_camera * toward_camera > self.cos_emission * self.cos_emission * z.length_squared();
+        let z = pose.apply(self.markers[marker].position);
+        let lit = z.z > 0.0 && self.emits(pose, marker, z, self.emission.cos_possible);
         lit.then(|| camera.project(z)).filter(|pixel| camera.sees(*pixel))
+    }
+
+    /// Whether a marker is turned to the camera well within its limit of emission and lies in the image.
+    pub fn surely_lit(&self, camera: &Camera, pose: &Pose, marker: usize) -> bool {
+        let z = pose.apply(self.markers[marker].position);
+        z.z > 0.0 && self.emits(pose, marker, z, self.emission.cos_sure) && camera.sees(camera.project(z))
+    }
+
+    /// Whether light leaves a marker, at `z` in the camera's frame, towards the camera.
+    fn emits(&self, pose: &Pose, marker: usize, z: DVec3, cos_limit: f64) -> bool {
+        let toward_camera = -(pose.rotation * self.markers[marker].normal).dot(z);
+        toward_camera > 0.0 && toward_camera * toward_camera > cos_limit * cos_limit * z.length_squared()
     }
 
     /// Names blobs by a pose: of all pairs of one pattern within `gate_px` the nearest first, each blob and marker once.
@@ -82,4 +113,16 @@ impl Model {
         }
         names
     }
+}
+
+fn find_near(markers: &[Marker]) -> Vec<Vec<usize>> {
+    let near = |k: usize| {
+        let apart = |&other: &usize| markers[other].position.distance_squared(markers[k].position);
+        let meets = |other: &usize| *other != k && markers[*other].normal.dot(markers[k].normal) > 0.0;
+        let mut others: Vec<usize> = (0..markers.len()).filter(meets).collect();
+        others.sort_by(|a, b| apart(a).total_cmp(&apart(b)).then(a.cmp(b)));
+        others.truncate(NEAR);
+        others
+    };
+    (0..markers.len()).map(near).collect()
 }

@@ -141,16 +141,21 @@ impl Quadrics {
 
     /// Gauss–Newton on the three quadrics (section 3.8); `None` for distances that do not obey them afterwards.
     fn refine(&self, mut l: DVec3) -> Option<DVec3> {
+        let scale = self.a12.max(self.a13).max(self.a23);
+        let mut residual = self.residual(l);
         for _ in 0..3 {
-            let step = self.jacobian(l).inverse() * (self.residual(l) * 0.5);
+            if residual.abs().max_element() <= 1e-12 * scale {
+                break;
+            }
+            let step = self.jacobian(l).inverse() * (residual * 0.5);
             // Where roots coincide the matrix is singular and the start is as good as it gets.
             if !(step.length_squared() <= 1e-4 * l.length_squared()) {
                 break;
             }
             l -= step;
+            residual = self.residual(l);
         }
-        let scale = self.a12.max(self.a13).max(self.a23);
-        (self.residual(l).abs().max_element() <= 1e-6 * scale).then_some(l)
+        (residual.abs().max_element() <= 1e-6 * scale).then_some(l)
     }
 
     fn residual(&self, l: DVec3) -> DVec3 {

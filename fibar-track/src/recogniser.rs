@@ -16,7 +16,7 @@ use crate::model::{Blob, Model};
 use crate::p3p;
 use crate::pose::Pose;
 use crate::refinement::{Correspondence, refine};
-use crate::triples::{Triple, choose_triples};
+use crate::triples::{Triple, Triples};
 use crate::twin::{better_of_twins, twin};
 
 /// How to recognise.
@@ -28,13 +28,24 @@ pub struct RecogniserOptions {
     pub raw_gate_px: f64,
     /// A pose is certain below this expected number of poses that would look as good by chance.
     pub max_false_alarms: f64,
-    /// Triples of blobs tried at most.
-    pub max_triples: usize,
+    /// The search ends early only with a certain pose that explains this share of the blobs.
+    pub early_share: f64,
+    /// Triples of neighbouring blobs tried at most, each only with markers near one another.
+    pub max_near_triples: usize,
+    /// Triples of any blobs tried afterwards at most, each with all markers that they could be.
+    pub max_wide_triples: usize,
 }
 
 impl Default for RecogniserOptions {
     fn default() -> RecogniserOptions {
-        RecogniserOptions { gate_px: 3.0, raw_gate_px: 8.0, max_false_alarms: 1e-4, max_triples: 40 }
+        RecogniserOptions {
+            gate_px: 3.0,
+            raw_gate_px: 8.0,
+            max_false_alarms: 1e-4,
+            early_share: 0.75,
+            max_near_triples: 24,
+            max_wide_triples: 12,
+        }
     }
 }
 
@@ -52,12 +63,8 @@ pub struct Recognition {
 /// Names the blobs and finds the pose that explains them best.
 pub fn recognise(model: &Model, camera: &Camera, blobs: &[Blob], options: &RecogniserOptions) -> Recognition {
     let mut search = Search { judge: Judge::new(model, camera, blobs), options, best: None, tried: 0 };
-    for triple in choose_triples(model, blobs, options.max_triples) {
-        search.try_triple(&triple);
-        if search.is_certain() {
-            break;
-        }
-    }
+    search.try_near();
+    search.try_wide();
     search.conclude()
 }
 
@@ -74,23 +81,55 @@ struct Candidate {
 }
 
 impl Search<'_> {
-    /// Tries all markers that the three blobs could be, until the pose is certain.
-    fn try_triple(&mut self, triple: &Triple) {
-        let Judge { model, camera, blobs, .. } = self.judge;
-        let bearings = triple.blobs.map(|k| camera.bearing(blobs[k].at));
-        let [first, second, third] = triple.blobs.map(|k| model.of_pattern(blobs[k].pattern));
-        for &a in first {
-            for &b in second.iter().filter(|b| **b != a) {
-                for &c in third.iter().filter(|c| **c != a && **c != b) {
-                    let points = [a, b, c].map(|k| model.markers()[k].position);
-                    for pose in p3p::solve(bearings, points).iter() {
-                        self.try_pose(pose, [a, b, c]);
+    /// Tries neighbouring blobs as markers near one another.
+    fn try_near(&mut self) {
+        let Judge { model, blobs, .. } = self.judge;
+        for triple in Triples::near(model, blobs).take(self.options.max_near_triples) {
+            let [first, second, third] = triple.map(|k| blobs[k].pattern);
+            for &a in model.of_pattern(first) {
+                let near = |pattern| {
+                    model.near(a).iter().copied().filter(move |&k| model.markers()[k].pattern == pattern)
+                };
+                for b in near(second) {
+                    for c in near(third).filter(|c| *c != b) {
+                        self.try_markers(&triple, [a, b, c]);
                     }
                 }
             }
-            if self.is_certain() {
+            if self.is_settled() {
                 return;
             }
+        }
+    }
+
+    /// Tries blobs far apart as all markers that they could be.
+    fn try_wide(&mut self) {
+        let Judge { model, blobs, .. } = self.judge;
+        if self.is_settled() {
+            return;
+        }
+        for triple in Triples::wide(model, blobs).take(self.options.max_wide_triples) {
+            let [first, second, third] = triple.map(|k| model.of_pattern(blobs[k].pattern));
+            for &a in first {
+                for &b in second.iter().filter(|b| **b != a) {
+                    for &c in third.iter().filter(|c| **c != a && **c != b) {
+                        self.try_markers(&triple, [a, b, c]);
+                    }
+                }
+                if self.is_settled() {
+                    return;
+                }
+            }
+        }
+    }
+
+    /// Tries three blobs as three markers.
+    fn try_markers(&mut self, triple: &Triple, markers: [usize; 3]) {
+        let Judge { model, camera, blobs, .. } = self.judge;
+        let bearings = triple.map(|k| camera.bearing(blobs[k].at));
+        let points = markers.map(|k| model.markers()[k].position);
+        for pose in p3p::solve(bearings, points).iter() {
+            self.try_pose(pose, markers);
         }
     }
 
@@ -101,7 +140,8 @@ impl Search<'_> {
         if sample.iter().any(|&marker| model.project(camera, pose, marker).is_none()) {
             return;
         }
-        let wanted = self.best.as_ref().map_or(3, |best| best.judgement.explained.saturating_sub(1).max(3));
+        let best = self.best.as_ref().map_or(0, |best| best.judgement.explained);
+        let wanted = (best.saturating_sub(1)).max(4).min(self.judge.blobs.len());
         if self.judge.explains(pose, self.options.raw_gate_px, wanted) {
             let (pose, judgement) = self.polish(pose);
             self.keep(pose, judgement);
@@ -137,8 +177,13 @@ impl Search<'_> {
         blobs.iter().zip(&names).filter_map(pair).collect()
     }
 
-    fn is_certain(&self) -> bool {
-        self.best.as_ref().is_some_and(|best| self.false_alarms(best) < self.options.max_false_alarms)
+    /// Whether the best pose needs no rival.
+    fn is_settled(&self) -> bool {
+        let enough = self.options.early_share * self.judge.blobs.len() as f64;
+        self.best.as_ref().is_some_and(|best| {
+            best.judgement.explained as f64 >= enough
+                && self.false_alarms(best) < self.options.max_false_alarms
+        })
     }
 
     fn false_alarms(&self, best: &Candidate) -> f64 {

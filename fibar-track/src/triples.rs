@@ -1,46 +1,81 @@
-//! Which three blobs to begin with: few markers they could be, a wide triangle, and other blobs each time.
+//! Which three blobs to begin with: a good triangle, few markers they could be, and other blobs each time.
 
 use crate::model::{Blob, Model};
+use fibar_core::adjacency::clockwise_neighbours;
+use glam::DVec2;
 
 /// Three blobs, by index.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Triple {
-    /// The blobs.
-    pub blobs: [usize; 3],
+pub type Triple = [usize; 3];
+
+/// Triples out of which the most promising is drawn next.
+pub struct Triples {
+    rated: Vec<(f64, Triple)>,
+    weights: Vec<f64>,
 }
 
-/// At most `count` triples, the most promising first. What is promising: area over the number of choices of markers, halved each
-/// time a blob was used before, so that one wrongly decoded blob does not spoil them all.
-pub fn choose_triples(model: &Model, blobs: &[Blob], count: usize) -> Vec<Triple> {
-    let mut rated = rate_triples(model, blobs);
-    let mut uses = vec![0; blobs.len()];
-    let mut chosen = Vec::new();
-    while chosen.len() < count && !rated.is_empty() {
-        let worth = |(rating, triple): &(f64, Triple)| {
-            rating * triple.blobs.iter().map(|&k| 0.5_f64.powi(uses[k])).product::<f64>()
-        };
-        let best =
-            (0..rated.len()).fold(0, |best, k| if worth(&rated[k]) > worth(&rated[best]) { k } else { best });
-        let (_, triple) = rated.swap_remove(best);
-        triple.blobs.iter().for_each(|&k| uses[k] += 1);
-        chosen.push(triple);
-    }
-    chosen
-}
-
-fn rate_triples(model: &Model, blobs: &[Blob]) -> Vec<(f64, Triple)> {
-    let choices: Vec<f64> = blobs.iter().map(|b| model.of_pattern(b.pattern).len() as f64).collect();
-    let mut rated = Vec::new();
-    for c in 2..blobs.len() {
-        for b in 1..c {
-            for a in 0..b {
-                let area = (blobs[b].at - blobs[a].at).perp_dot(blobs[c].at - blobs[a].at).abs();
-                let rating = area / (choices[a] * choices[b] * choices[c]);
-                if rating > 0.0 && rating.is_finite() {
-                    rated.push((rating, Triple { blobs: [a, b, c] }));
+impl Triples {
+    /// A blob and two of its neighbours in the image: their markers are probably neighbours too. What is promising is a triangle far
+    /// from a line.
+    pub fn near(model: &Model, blobs: &[Blob]) -> Triples {
+        let places: Vec<DVec2> = blobs.iter().map(|b| b.at).collect();
+        let mut rated = Vec::new();
+        for (a, neighbours) in clockwise_neighbours(&places).iter().enumerate() {
+            let choices = model.of_pattern(blobs[a].pattern).len() as f64;
+            for (k, &b) in neighbours.iter().enumerate() {
+                for &c in &neighbours[..k] {
+                    let (area, longest) = triangle(&places, [a, b, c]);
+                    rated.push((area / (longest * longest * choices), [a, b, c]));
                 }
             }
         }
+        Triples::of(rated, blobs.len())
     }
-    rated
+
+    /// Any three blobs. What is promising is a wide triangle of few markers.
+    pub fn wide(model: &Model, blobs: &[Blob]) -> Triples {
+        let places: Vec<DVec2> = blobs.iter().map(|b| b.at).collect();
+        let choices: Vec<f64> = blobs.iter().map(|b| model.of_pattern(b.pattern).len() as f64).collect();
+        let mut rated = Vec::new();
+        for c in 2..blobs.len() {
+            for b in 1..c {
+                let scale = 1.0 / (choices[b] * choices[c]);
+                rated
+                    .extend((0..b).map(|a| (triangle(&places, [a, b, c]).0 * scale / choices[a], [a, b, c])));
+            }
+        }
+        Triples::of(rated, blobs.len())
+    }
+
+    fn of(mut rated: Vec<(f64, Triple)>, blobs: usize) -> Triples {
+        rated.retain(|(rating, _)| *rating > 0.0 && rating.is_finite());
+        Triples { rated, weights: vec![1.0; blobs] }
+    }
+}
+
+impl Iterator for Triples {
+    type Item = Triple;
+
+    /// The best rated; then its blobs count for half, so that one that was decoded wrongly does not spoil them all.
+    fn next(&mut self) -> Option<Triple> {
+        let worth = |(rating, triple): &(f64, Triple)| {
+            triple.iter().fold(*rating, |worth, &k| worth * self.weights[k])
+        };
+        let mut best = (0, 0.0);
+        for (k, entry) in self.rated.iter().enumerate() {
+            let worth = worth(entry);
+            if worth > best.1 {
+                best = (k, worth);
+            }
+        }
+        let (_, triple) = (best.1 > 0.0).then(|| self.rated.swap_remove(best.0))?;
+        triple.iter().for_each(|&k| self.weights[k] *= 0.5);
+        Some(triple)
+    }
+}
+
+/// Twice the area, px², and the longest side, px.
+fn triangle(places: &[DVec2], triple: Triple) -> (f64, f64) {
+    let [a, b, c] = triple.map(|k| places[k]);
+    let longest = a.distance_squared(b).max(b.distance_squared(c)).max(c.distance_squared(a));
+    ((b - a).perp_dot(c - a).abs(), longest.sqrt())
 }

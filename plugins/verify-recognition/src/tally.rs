@@ -15,11 +15,10 @@ pub struct Tally {
 type Counter = (&'static str, fn(&Trial) -> usize);
 
 /// The shares of visible markers that are reported for each share missing.
-const NAMED: [Counter; 6] = [
+const NAMED: [Counter; 5] = [
     ("paper_rate", |t| t.paper),
     ("paper_roll_rate", |t| t.paper_rolled),
     ("corrected_rate", |t| t.corrected),
-    ("corrected_roll_rate", |t| t.corrected_rolled),
     ("ours_rate", |t| t.ours),
     ("falsely_certain_rate", |t| t.falsely_certain),
 ];

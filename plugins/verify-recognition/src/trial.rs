@@ -3,10 +3,9 @@
 use crate::params::Params;
 use crate::scene::{Scene, Sighting};
 use crate::views::{Chance, Viewpoint};
-use fibar_track::camera::Camera;
 use fibar_track::consensus::{ConsensusOptions, Estimate};
 use fibar_track::lookup::{correct_by_pose, name_by_lookup};
-use fibar_track::model::{Blob, Model};
+use fibar_track::model::Model;
 use fibar_track::pose::Pose;
 use fibar_track::recogniser::{RecogniserOptions, Recognition, recognise};
 
@@ -39,8 +38,6 @@ pub struct Trial {
     pub paper_rolled: usize,
     /// Named rightly after the lookup's names were corrected by their pose, camera upright.
     pub corrected: usize,
-    /// The same at the view's roll.
-    pub corrected_rolled: usize,
     /// Named rightly by our recogniser, at the view's roll.
     pub ours: usize,
     /// Named wrongly although the recogniser was certain.
@@ -107,32 +104,24 @@ impl Bench<'_> {
         let image = |pose: &Pose| self.scene.blobs(&camera, pose, left, self.params.noise_px);
         let (pose, upright) = (viewpoint.pose(), viewpoint.upright_pose());
         let (blobs, upright_blobs) = (image(&pose), image(&upright));
-        let (paper, corrected) = self.try_lookup(&camera, &upright_blobs, left, number);
-        let (paper_rolled, corrected_rolled) = self.try_lookup(&camera, &blobs, left, number);
+        let names = name_by_lookup(self.model, &upright_blobs);
+        let options = ConsensusOptions { seed: number, ..ConsensusOptions::default() };
+        let (corrected, _) = correct_by_pose(self.model, &camera, &upright_blobs, &names, &options);
         let found = recognise(self.model, &camera, &blobs, &RecogniserOptions::default());
         let ours = count_right(&found.names, left);
         let certain = found.false_alarms < RecogniserOptions::default().max_false_alarms;
         let named = found.names.iter().flatten().count();
         Trial {
             blobs: left.len(),
-            paper,
-            paper_rolled,
-            corrected,
-            corrected_rolled,
+            paper: count_right(&names, left),
+            paper_rolled: count_right(&name_by_lookup(self.model, &blobs), left),
+            corrected: count_right(&corrected, left),
             ours,
             falsely_certain: if certain { named - ours } else { 0 },
             certain,
             pose: self.pose_error(&found, &pose),
             names: found.names,
         }
-    }
-
-    /// Names right by the lookup, and after correction.
-    fn try_lookup(&self, camera: &Camera, blobs: &[Blob], left: &[Sighting], seed: u64) -> (usize, usize) {
-        let names = name_by_lookup(self.model, blobs);
-        let options = ConsensusOptions { seed, ..ConsensusOptions::default() };
-        let (corrected, _) = correct_by_pose(self.model, camera, blobs, &names, &options);
-        (count_right(&names, left), count_right(&corrected, left))
     }
 
     fn pose_error(&self, found: &Recognition, truth: &Pose) -> Option<PoseError> {
