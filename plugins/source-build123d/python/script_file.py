@@ -80,7 +80,8 @@ def execute(code, source, shown):
     except SystemExit as error:
         raise Refusal("script", f"{place(error, shown)}the script called exit({error.code!r})", "end it by setting `result`")
     except BaseException as error:
-        traceback.print_exc()
+        # Without this function's own frame.
+        traceback.print_exception(type(error), error, error.__traceback__.tb_next)
         raise Refusal("script", f"{place(error, shown)}{described(error)}{line_of(error, shown)}", hint_for(error))
     return result_of(module.__dict__, shown)
 

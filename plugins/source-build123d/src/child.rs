@@ -1,14 +1,13 @@
-//! A child process under a clock: its lines go to a listener, and it ends by itself, in time, or not at all.
+//! A child process under a clock: its lines go to the log, and it ends by itself, in time, or is ended.
 
 use crate::group::Group;
-use crate::listener::Listener;
-use fibar_plugin::StageError;
+use fibar_plugin::{Job, StageError};
 use std::io::{BufRead, BufReader, Read};
 use std::process::{Command, ExitStatus, Stdio};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
 use std::time::{Duration, Instant};
 
-/// How often the clock and the listener are asked.
+/// How often the clock and the host are asked.
 const TICK: Duration = Duration::from_millis(20);
 /// From asking a child where it is to killing it; and for the last lines of one that has ended.
 const LAST_WORDS: Duration = Duration::from_millis(300);
@@ -27,34 +26,26 @@ pub enum End {
     NotFound,
 }
 
-/// Runs a command until it ends, its time is up, or the listener wants no more; `each_line` sees all it prints, in order
-/// per stream. Nothing that it started outlives this call.
-pub fn run(
-    command: &mut Command,
-    patience: Duration,
-    listener: &mut dyn Listener,
-    each_line: &mut dyn FnMut(&str, &mut dyn Listener),
-) -> Result<End, StageError> {
+/// Runs a command until it ends, its time is up, or the host wants no more. Nothing that it started outlives this call.
+pub fn run(command: &mut Command, patience: Duration, job: &mut Job) -> Result<End, StageError> {
     command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
     let mut group = match Group::start(command) {
         Ok(group) => group,
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(End::NotFound),
         Err(error) => return Err(error.into()),
     };
-    let lines = read_lines(&mut group);
+    let (lines, mut log) = (read_lines(&mut group), Log::default());
     let deadline = Instant::now() + patience;
-    let mut open = true;
     loop {
         match lines.recv_timeout(TICK) {
-            Ok(line) => each_line(&line, listener),
+            Ok(line) => log.pass(&line, job),
             Err(RecvTimeoutError::Timeout) => {}
-            Err(RecvTimeoutError::Disconnected) if open => open = false,
             Err(RecvTimeoutError::Disconnected) => std::thread::sleep(TICK),
         }
-        listener.check_cancel()?;
+        job.check_cancel()?;
         if let Some(status) = group.try_wait()? {
             while let Ok(line) = lines.recv_timeout(LAST_WORDS) {
-                each_line(&line, listener);
+                log.pass(&line, job);
             }
             return Ok(End::Exited(status));
         }
@@ -66,19 +57,18 @@ pub fn run(
     }
 }
 
-/// Passes the first lines on to the listener and counts the rest.
+/// Passes the first lines on and drops the rest.
 #[derive(Default)]
-pub struct Chatter {
-    count: usize,
+struct Log {
+    lines: usize,
 }
 
-impl Chatter {
-    /// One more line.
-    pub fn pass(&mut self, line: &str, listener: &mut dyn Listener) {
-        self.count += 1;
-        match self.count.cmp(&MAX_LINES) {
-            std::cmp::Ordering::Less => listener.say(line),
-            std::cmp::Ordering::Equal => listener.say("(more lines are not shown)"),
+impl Log {
+    fn pass(&mut self, line: &str, job: &mut Job) {
+        self.lines += 1;
+        match self.lines.cmp(&MAX_LINES) {
+            std::cmp::Ordering::Less => job.log("info", line),
+            std::cmp::Ordering::Equal => job.log("info", "(further lines are not shown)"),
             std::cmp::Ordering::Greater => {}
         }
     }

@@ -1,6 +1,6 @@
 //! One run of `python/runner.py`: what it is asked, how it may end, and in what words its failures reach the user.
 
-use crate::child::{self, Chatter, End};
+use crate::child::{self, End};
 use crate::group;
 use crate::manifest::{self, Refusal, RefusalKind, Shape};
 use crate::params::{Params, Value};
@@ -50,8 +50,7 @@ impl Kernel<'_> {
         let folder = tempfile::tempdir()?;
         let mut command = self.command(folder.path(), job)?;
         let patience = Duration::from_secs_f64(self.params.timeout_s);
-        let mut chatter = Chatter::default();
-        let end = child::run(&mut command, patience, job, &mut |line, job| chatter.pass(line, job))?;
+        let end = child::run(&mut command, patience, job)?;
         let out = folder.path().join("out");
         match end {
             End::Exited(_) if out.join("manifest.json").exists() => match manifest::read(&out)? {
@@ -154,7 +153,7 @@ impl Kernel<'_> {
 
     fn environment_is_broken(&self, why: &str) -> StageError {
         let environment = self.python.ancestors().nth(2).unwrap_or(&self.python);
-        let hint = format!("remove {} and build again", environment.display());
+        let hint = format!("remove the folder {} and build again", environment.display());
         StageError::resource(format!("the environment for build123d is broken: {why}")).hint(hint)
     }
 

@@ -1,13 +1,11 @@
 //! `source-build123d`: runs a build123d script, or reads STEP or BREP, and tessellates its solids.
 //!
 //! The CAD kernel lives in a Python process of its own (`python/`), which can hang, crash or be killed without harm. Here
-//! is what surrounds it: its environment, its clock, and the checks of what it leaves behind.
+//! is what surrounds it: its clock, and the checks of what it leaves behind. Its environment is the host's work.
 
 mod child;
-mod environment;
 mod group;
 mod kernel;
-mod listener;
 mod manifest;
 mod params;
 mod parts;
@@ -19,10 +17,10 @@ use manifest::Shape;
 use params::Params;
 use std::process::ExitCode;
 
+/// The lock file of the environment, which the build script puts beside the executable.
+const REQUIREMENTS: &str = "source-build123d.requirements.txt";
+
 fn main() -> ExitCode {
-    if std::env::args().nth(1).is_some_and(|word| word == "--set-up") {
-        return set_up_by_hand();
-    }
     serve::<SourceBuild123d>()
 }
 
@@ -42,15 +40,14 @@ impl Stage for SourceBuild123d {
                 "parts.json",
                 "Names and colours of the solids, with their triangles.",
             )
-            .program("python3")
+            .python_environment(REQUIREMENTS, [3, 11], [3, 14])
             .memory_mb(2048)
     }
 
     fn run(params: Params, job: &mut Job) -> Result<(), StageError> {
         params.check()?;
-        job.progress(0.0, "environment")?;
-        let python = environment::ensure(job)?;
-        job.progress(0.1, "build123d")?;
+        let python = job.python()?.to_path_buf();
+        job.progress(0.0, "build123d")?;
         let shape = Kernel { python, params: &params }.run(job)?;
         if let Some(unit) = &shape.unit {
             job.log("info", &format!("the file is in {unit}s"));
@@ -60,19 +57,5 @@ impl Stage for SourceBuild123d {
         job.metric("source.triangles", mesh.triangles.len() as f64, "1");
         job.write("mesh", "mesh.ply", &mesh.to_ply())?;
         job.write("parts", "parts.json", &parts.to_json())
-    }
-}
-
-/// `source-build123d --set-up`: makes the environment now, with the caller's own settings for pip and proxies.
-fn set_up_by_hand() -> ExitCode {
-    match environment::ensure(&mut listener::Terminal) {
-        Ok(python) => {
-            println!("{}", python.display());
-            ExitCode::SUCCESS
-        }
-        Err(error) => {
-            eprintln!("{error}");
-            ExitCode::from(4)
-        }
     }
 }

@@ -1,13 +1,15 @@
 //! The whole stage as a process, over scripts and files that are wrong in one way each.
 //!
-//! Needs the Python environment of the stage, which the first run makes. Where it cannot be made the tests are skipped and
-//! say why; with `CI=true` that is a failure.
+//! Needs Python with build123d, set up once below `target/tmp`. Where that cannot be done the tests are skipped and say why;
+//! with `CI=true` that is a failure.
 
 #![allow(clippy::unwrap_used)]
 
+mod environment;
+
 use serde_json::{Value, json};
-use std::path::Path;
 use std::process::{Command, Output};
+use std::sync::OnceLock;
 
 const STAGE: &str = env!("CARGO_BIN_EXE_source-build123d");
 
@@ -19,9 +21,10 @@ struct Run {
 
 impl Run {
     fn of(name: &str, content: &[u8], params: Value) -> Run {
+        let python = environment().expect("asked before");
         let folder = tempfile::tempdir().unwrap();
         std::fs::write(folder.path().join(name), content).unwrap();
-        let mut request = json!({"params": {"path": name}, "out_dir": "out", "threads": 2});
+        let mut request = json!({"params": {"path": name}, "out_dir": "out", "threads": 2, "python": python});
         request["params"].as_object_mut().unwrap().extend(params.as_object().unwrap().clone());
         std::fs::write(folder.path().join("request.json"), request.to_string()).unwrap();
         let output =
@@ -54,20 +57,20 @@ fn check(name: &str, content: impl AsRef<[u8]>, params: Value, expected: &[&str]
     assert!(missing.is_empty(), "{error:?} does not say {missing:?}");
 }
 
-/// Whether the environment is there; says why if not.
-fn environment() -> bool {
-    let output = Command::new(STAGE).arg("--set-up").output().unwrap();
-    if !output.status.success() {
-        let why = String::from_utf8_lossy(&output.stderr);
-        assert_ne!(std::env::var("CI").as_deref(), Ok("true"), "{why}");
-        eprintln!("skipped: {why}");
-    }
-    output.status.success()
+/// The interpreter of the environment; says why if there is none.
+fn environment() -> Option<String> {
+    static ENVIRONMENT: OnceLock<Option<String>> = OnceLock::new();
+    ENVIRONMENT.get_or_init(|| environment::ensure().map_err(skip).ok()).clone()
+}
+
+fn skip(why: String) {
+    assert_ne!(std::env::var("CI").as_deref(), Ok("true"), "{why}");
+    eprintln!("skipped: {why}");
 }
 
 #[test]
 fn a_bad_script_shows_its_line_and_exception() {
-    if !environment() {
+    if environment().is_none() {
         return;
     }
     let script = |text: &str, expected: &[&str]| check("a.py", text, json!({}), expected);
@@ -87,7 +90,7 @@ fn a_bad_script_shows_its_line_and_exception() {
 
 #[test]
 fn a_script_that_dies_or_never_ends_is_told_by_line() {
-    if !environment() {
+    if environment().is_none() {
         return;
     }
     let script = |text: &str, expected: &[&str]| check("a.py", text, json!({"timeout_s": 3}), expected);
@@ -103,7 +106,7 @@ fn a_script_that_dies_or_never_ends_is_told_by_line() {
 
 #[test]
 fn parameters_must_be_names_of_the_script() {
-    if !environment() {
+    if environment().is_none() {
         return;
     }
     let text = "height = 87.0\nname = 'cone'\n";
@@ -122,7 +125,7 @@ fn parameters_must_be_names_of_the_script() {
 
 #[test]
 fn damaged_files_are_refused_before_the_kernel_starts() {
-    if !environment() {
+    if environment().is_none() {
         return;
     }
     check("a.step", "hello", json!({}), &["input /path: a.step is no STEP file"]);
@@ -133,7 +136,7 @@ fn damaged_files_are_refused_before_the_kernel_starts() {
 
 #[test]
 fn shapes_without_solids_and_mixed_up_units_are_refused() {
-    if !environment() {
+    if environment().is_none() {
         return;
     }
     let script = |text: &str, expected: &[&str]| {
@@ -168,7 +171,7 @@ export_brep(result, '/OUT/toy.brep')
 
 #[test]
 fn labels_colours_and_bytes_are_the_same_on_every_way_in() {
-    if !environment() {
+    if environment().is_none() {
         return;
     }
     let folder = tempfile::tempdir().unwrap();
@@ -220,19 +223,15 @@ fn check_volume(part: &Value, expected_mm3: f64) {
 }
 
 #[test]
-fn a_missing_python_is_told() {
+fn a_request_without_python_or_with_one_that_is_gone_is_told() {
     let folder = tempfile::tempdir().unwrap();
-    let run = |path: &Path| Command::new(STAGE).arg("--set-up").env("PATH", path).output().unwrap();
-    let error = |output: Output| String::from_utf8(output.stderr).unwrap();
-    assert!(error(run(folder.path())).contains("needs Python 3.11 to 3.14, and there is none on the path"));
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt;
-        let python = folder.path().join("python3");
-        std::fs::write(&python, "#!/bin/sh\necho failed Python 2.7 is old\nexit 7\n").unwrap();
-        std::fs::set_permissions(&python, std::fs::Permissions::from_mode(0o755)).unwrap();
-        assert!(error(run(folder.path())).contains("(python3: Python 2.7 is old)"));
-        std::fs::write(&python, "#!/bin/sh\necho failed no ensurepip\nexit 8\n").unwrap();
-        assert!(error(run(folder.path())).contains("cannot be set up: no ensurepip"));
-    }
+    let request = |extra: &str| {
+        let text = format!(r#"{{"params": {{"path": "a.py"}}, "out_dir": "out"{extra}}}"#);
+        std::fs::write(folder.path().join("request.json"), text).unwrap();
+        let output =
+            Command::new(STAGE).args(["--request", "request.json"]).current_dir(folder.path()).output();
+        String::from_utf8(output.unwrap().stdout).unwrap()
+    };
+    assert!(request("").contains("the request names no Python"));
+    assert!(request(r#", "python": "/gone/bin/python""#).contains("is broken: its Python is gone"));
 }
