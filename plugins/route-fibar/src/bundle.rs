@@ -1,6 +1,7 @@
 //! The bundle: all fibres of an object as chains of control points, equally many each.
 
 use crate::ends::Ends;
+use fibar_core::PatternId;
 use fibar_core::artefact::routes::Fibre;
 use fibar_core::material::LayerRadii;
 use fibar_geometry::curve::clamped_uniform_knots;
@@ -33,6 +34,11 @@ impl Bundle {
     /// The control points of each fibre, from LED to marker.
     pub fn chains(&self) -> impl Iterator<Item = &[DVec3]> {
         self.points.chunks(self.count)
+    }
+
+    /// What the fibre of a control point carries.
+    pub fn pattern(&self, point: usize) -> PatternId {
+        self.ends[point / self.count].pattern
     }
 
     /// A new control point halfway between any two neighbours, save within the end pieces.

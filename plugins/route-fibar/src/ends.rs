@@ -98,3 +98,61 @@ fn check_marker(marker: &Marker, interior: &Interior, params: &Params) -> Result
     }
     Ok(())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::interior::tests::cuboid;
+    use fibar_core::artefact::constellation::Pattern;
+    use fibar_core::artefact::sockets::Hole;
+
+    fn socket(led: u32, x: f64) -> Socket {
+        Socket {
+            led: LedId(led),
+            pattern: PatternId(led + 1),
+            position: DVec3::new(x, 0.0, -12.0),
+            axis: DVec3::Z,
+        }
+    }
+
+    fn marker(id: u32, pattern: u32, position: DVec3, normal: DVec3) -> Marker {
+        Marker { id: MarkerId(id), position, normal, pattern: PatternId(pattern), neighbours: vec![] }
+    }
+
+    fn route(sockets: Vec<Socket>, markers: Vec<Marker>) -> Result<Vec<Ends>, String> {
+        let sockets = Sockets::new(Hole { diameter_mm: 5.2, depth_mm: 8.0 }, sockets);
+        let pattern = |id| Pattern { id: PatternId(id), bits: vec![true] };
+        let constellation = Constellation::new(350.0, vec![pattern(1), pattern(2), pattern(3)], markers);
+        let interior = Interior::of(&cuboid(DVec3::splat(20.0)), &Params::default()).unwrap();
+        of_fibres(&sockets, &constellation, &interior, &Params::default()).map_err(|e| e.to_string())
+    }
+
+    #[test]
+    fn fibres_are_in_order_of_pattern_then_marker() {
+        let top = |id, pattern| marker(id, pattern, DVec3::new(f64::from(id), 0.0, 20.0), DVec3::Z);
+        let ends =
+            route(vec![socket(0, -5.0), socket(1, 5.0)], vec![top(1, 2), top(2, 1), top(3, 1)]).unwrap();
+        assert_eq!(ends.iter().map(|e| e.marker.0).collect::<Vec<_>>(), [2, 3, 1]);
+        let [tip, launch, below, marker] = ends[2].control_points();
+        assert_eq!(
+            (ends[2].led, tip, launch),
+            (LedId(1), DVec3::new(5.0, 0.0, -12.0), DVec3::new(5.0, 0.0, -9.5))
+        );
+        assert_eq!((below, marker), (DVec3::new(1.0, 0.0, 17.5), DVec3::new(1.0, 0.0, 20.0)));
+    }
+
+    #[test]
+    fn what_cannot_be_routed_is_named() {
+        let check = |sockets, markers, says: &str| {
+            let error = route(sockets, markers).unwrap_err();
+            assert!(error.contains(says), "{error:?} does not say {says:?}");
+        };
+        let top = DVec3::Z * 20.0;
+        let one = || vec![socket(0, 0.0)];
+        check(one(), vec![], "no marker");
+        check(one(), vec![marker(7, 2, top, DVec3::Z)], "marker 7 blinks pattern 2, which no LED does");
+        check(one(), vec![marker(7, 1, top + DVec3::Z, DVec3::Z)], "marker 7 is 1.000 mm off the surface");
+        check(one(), vec![marker(7, 1, top, -DVec3::Z)], "marker 7 has no room");
+        check(vec![socket(0, 21.0)], vec![marker(7, 1, top, DVec3::Z)], "LED 0 would start outside");
+    }
+}

@@ -2,13 +2,16 @@
 
 use crate::bundle::{Bundle, FIXED};
 use crate::ends::Ends;
+use crate::foreign::Foreign;
 use crate::interior::Interior;
 use crate::moves::{self, Chain};
-use crate::neighbours::Cells;
 use crate::params::Params;
 use fibar_plugin::StageError;
 use glam::DVec3;
 use rayon::prelude::*;
+
+/// Slack of the neighbour lists; changes the time only.
+const SLACK_MM: f64 = 2.0;
 
 /// Chains from LED to marker, 35 control points each after five rounds; `report` hears how far it is, 0 to 1.
 pub fn route(
@@ -20,8 +23,10 @@ pub fn route(
     let mut bundle = Bundle::of_ends(ends);
     for round in 0..params.rounds {
         bundle = bundle.with_midpoints();
+        let mut foreign = Foreign::of(&bundle, params.fibre_threshold_mm, SLACK_MM);
         for count in 0..params.moves {
-            bundle.points = moved(&bundle, interior, params);
+            foreign.refresh(&bundle);
+            bundle.points = moved(&bundle, &foreign, interior, params);
             let share = f64::from(count) / f64::from(params.moves);
             report((f64::from(round) + share) / f64::from(params.rounds))?;
         }
@@ -30,26 +35,19 @@ pub fn route(
 }
 
 /// All control points after one move of each, all from the same positions; the ends stay.
-fn moved(bundle: &Bundle, interior: &Interior, params: &Params) -> Vec<DVec3> {
-    let cells = Cells::of(&bundle.points, params.fibre_threshold_mm);
+fn moved(bundle: &Bundle, foreign: &Foreign, interior: &Interior, params: &Params) -> Vec<DVec3> {
     let mut points = bundle.points.clone();
     points.par_chunks_mut(bundle.count).enumerate().for_each(|(fibre, after)| {
-        let before = &bundle.points[fibre * bundle.count..][..bundle.count];
+        let first = fibre * bundle.count;
+        let before = &bundle.points[first..][..bundle.count];
         let chain = Chain::of(before);
         for k in FIXED..bundle.count - FIXED {
-            let others = foreign(bundle, &cells, fibre, before[k]);
+            let others = foreign.near(first + k).iter().map(|&other| bundle.points[other as usize]);
             let step = step(&chain, k, before[k], others, interior, params);
             after[k] = interior.keep_inside(before[k] + step);
         }
     });
     points
-}
-
-/// Control points near a place that belong to other patterns.
-fn foreign(bundle: &Bundle, cells: &Cells, fibre: usize, place: DVec3) -> impl Iterator<Item = DVec3> {
-    let pattern = bundle.ends[fibre].pattern;
-    let other = move |k: &usize| bundle.ends[k / bundle.count].pattern != pattern;
-    cells.near(place).filter(other).map(|k| bundle.points[k])
 }
 
 /// `l + r + f + s` with the gains of the parameters, no longer than the longest move, mm.

@@ -9,12 +9,13 @@ mod params;
 mod ends;
 
 mod bundle;
+mod foreign;
 mod initial;
 mod interior;
 mod moves;
+mod neighbours;
 
 mod adam;
-mod neighbours;
 mod objective;
 mod refine;
 mod wall;

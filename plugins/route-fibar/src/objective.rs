@@ -1,8 +1,8 @@
 //! What the refinement minimises: `Σ_f (1 − E_cam) + k3·E_fib + k4·E_surf + k5·E_reg` (Tone 2020, "Route optimization").
 
 use crate::bundle::Bundle;
+use crate::foreign::Foreign;
 use crate::interior::Interior;
-use crate::neighbours::Cells;
 use crate::params::Params;
 use crate::wall::Wall;
 use fibar_core::artefact::mesh::TriangleMesh;
@@ -10,6 +10,9 @@ use fibar_core::light::LightLaw;
 use fibar_geometry::optics::discrete::e_cam_with_gradient;
 use glam::DVec3;
 use rayon::prelude::*;
+
+/// Slack of the neighbour lists; changes the time only.
+const SLACK_MM: f64 = 1.5;
 
 /// The objective of one body.
 pub struct Objective<'a> {
@@ -40,12 +43,16 @@ impl<'a> Objective<'a> {
         Objective { wall: Wall::of(body, interior, params), light: params.light(), params, reach }
     }
 
+    /// Lists of neighbours for [`evaluate`](Self::evaluate), to be refreshed whenever the bundle has moved.
+    pub fn foreign(&self, bundle: &Bundle) -> Foreign {
+        Foreign::of(bundle, self.reach, SLACK_MM)
+    }
+
     /// The terms, and the gradient of their weighted sum by every control point, per mm.
-    pub fn evaluate(&self, bundle: &Bundle, gradient: &mut [DVec3]) -> Terms {
-        let cells = Cells::of(&bundle.points, self.reach);
+    pub fn evaluate(&self, bundle: &Bundle, foreign: &Foreign, gradient: &mut [DVec3]) -> Terms {
         let of_fibre = |(fibre, gradient): (usize, &mut [DVec3])| {
             gradient.fill(DVec3::ZERO);
-            self.evaluate_fibre(bundle, &cells, fibre, gradient)
+            self.evaluate_fibre(bundle, foreign, fibre, gradient)
         };
         let fibres = gradient.par_chunks_mut(bundle.count).enumerate();
         let terms: Vec<Terms> = fibres.map(of_fibre).collect();
@@ -58,35 +65,42 @@ impl<'a> Objective<'a> {
         terms.cam + k3 * terms.fib + k4 * terms.surf + k5 * terms.reg
     }
 
-    fn evaluate_fibre(&self, bundle: &Bundle, cells: &Cells, fibre: usize, gradient: &mut [DVec3]) -> Terms {
-        let points = &bundle.points[fibre * bundle.count..][..bundle.count];
+    fn evaluate_fibre(
+        &self,
+        bundle: &Bundle,
+        foreign: &Foreign,
+        fibre: usize,
+        gradient: &mut [DVec3],
+    ) -> Terms {
+        let first = fibre * bundle.count;
+        let points = &bundle.points[first..][..bundle.count];
+        let fib = gradient.iter_mut().enumerate().fold(0.0, |total, (k, slope)| {
+            let here = first + k;
+            total + self.e_fib(&bundle.points, here, foreign.near(here), slope)
+        });
         Terms {
             cam: 1.0 - e_cam_with_gradient(&self.light, points, -1.0, gradient),
-            fib: self.e_fib(bundle, cells, fibre, gradient),
+            fib,
             surf: self.e_surf(points, gradient),
             reg: self.e_reg(points, gradient),
         }
     }
 
-    /// E_fib of a fibre; the gradient holds the other fibres' share of the same pairs, too.
-    fn e_fib(&self, bundle: &Bundle, cells: &Cells, fibre: usize, gradient: &mut [DVec3]) -> f64 {
-        let (pattern, first) = (bundle.ends[fibre].pattern, fibre * bundle.count);
+    /// A control point's share of E_fib; the slope holds the other fibres' share of the same pairs, too.
+    fn e_fib(&self, points: &[DVec3], here: usize, others: &[u32], slope: &mut DVec3) -> f64 {
         let (decay, square) = (self.params.k6, self.reach * self.reach);
-        let mut total = 0.0;
-        for (k, slope) in gradient.iter_mut().enumerate() {
-            let here = bundle.points[first + k];
-            for other in cells.near(here) {
-                let arm = here - bundle.points[other];
-                let distance = arm.length_squared();
-                if distance < square && bundle.ends[other / bundle.count].pattern != pattern {
-                    let distance = distance.sqrt();
-                    let value = libm::exp(-decay * distance);
-                    total += value;
-                    *slope -= 2.0 * self.params.k3 * decay * value / distance.max(1e-9) * arm;
-                }
+        let twice = 2.0 * self.params.k3 * decay;
+        others.iter().fold(0.0, |total, &other| {
+            let arm = points[here] - points[other as usize];
+            let distance = arm.length_squared();
+            if distance >= square {
+                return total;
             }
-        }
-        total
+            let distance = distance.sqrt();
+            let value = libm::exp(-decay * distance);
+            *slope -= twice * value / distance.max(1e-9) * arm;
+            total + value
+        })
     }
 
     fn e_surf(&self, points: &[DVec3], gradient: &mut [DVec3]) -> f64 {
@@ -99,8 +113,9 @@ impl<'a> Objective<'a> {
 
     fn e_reg(&self, points: &[DVec3], gradient: &mut [DVec3]) -> f64 {
         let mut total = 0.0;
-        for (k, w) in points.windows(3).enumerate() {
-            let legs = [w[1] - w[0], w[2] - w[1]];
+        let counted = if self.params.even_out_ends { 0..points.len() - 2 } else { 1..points.len() - 3 };
+        for k in counted {
+            let legs = [points[k + 1] - points[k], points[k + 2] - points[k + 1]];
             let (value, slope) = unevenness(legs[0].length() - legs[1].length(), self.params.even_within_mm);
             let [u, v] = legs.map(|leg| self.params.k5 * slope * leg.normalize_or_zero());
             gradient[k] -= u;
@@ -161,10 +176,11 @@ mod tests {
         let objective = Objective::of(&body, &interior, &params);
         let bundle = bundle();
         let mut gradient = vec![DVec3::ZERO; bundle.points.len()];
-        objective.evaluate(&bundle, &mut gradient);
+        objective.evaluate(&bundle, &objective.foreign(&bundle), &mut gradient);
         let value = |points: Vec<DVec3>| {
             let moved = Bundle { points, ..bundle.clone() };
-            objective.weigh(&objective.evaluate(&moved, &mut vec![DVec3::ZERO; bundle.points.len()]))
+            let foreign = objective.foreign(&moved);
+            objective.weigh(&objective.evaluate(&moved, &foreign, &mut vec![DVec3::ZERO; 27]))
         };
         for (k, axis) in (0..27).flat_map(|k| DVec3::AXES.map(|axis| (k, axis))) {
             let at = |step: f64| {
@@ -184,26 +200,26 @@ mod tests {
 
     #[test]
     fn every_gradient_is_that_of_finite_differences() {
-        let none = Params { k3: 0.0, k4: 0.0, k5: 0.0, cut_off: 1e-12, ..Params::default() };
+        let none = Params { k3: 0.0, k4: 0.0, k5: 0.0, cut_off: 1e-12, grid_mm: 3.0, ..Params::default() };
         check(none.clone());
         check(Params { k3: 1.5, ..none.clone() });
         check(Params { k4: 0.5, ..none.clone() });
         check(Params { k5: 1.0, ..none.clone() });
         check(Params { k5: 1.0, even_within_mm: 0.0, ..none });
-        check(Params { cut_off: 1e-12, ..Params::default() });
+        check(Params { cut_off: 1e-12, grid_mm: 3.0, ..Params::default() });
     }
 
     #[test]
     fn e_fib_is_the_plain_double_sum_of_the_paper() {
-        let params = Params { cut_off: 1e-12, ..Params::default() };
+        let params = Params { cut_off: 1e-12, grid_mm: 3.0, ..Params::default() };
         let body = cuboid(DVec3::splat(20.0));
         let interior = Interior::of(&body, &params).unwrap();
         let objective = Objective::of(&body, &interior, &params);
         let bundle = bundle();
-        let terms = objective.evaluate(&bundle, &mut vec![DVec3::ZERO; bundle.points.len()]);
-        let pattern = |k: usize| bundle.ends[k / bundle.count].pattern;
-        let pairs =
-            (0..27).flat_map(|a| (0..27).map(move |b| (a, b))).filter(|&(a, b)| pattern(a) != pattern(b));
+        let terms = objective.evaluate(&bundle, &objective.foreign(&bundle), &mut vec![DVec3::ZERO; 27]);
+        let pairs = (0..27)
+            .flat_map(|a| (0..27).map(move |b| (a, b)))
+            .filter(|&(a, b)| bundle.pattern(a) != bundle.pattern(b));
         let plain: f64 = pairs.map(|(a, b)| (-1.5 * bundle.points[a].distance(bundle.points[b])).exp()).sum();
         assert!((terms.fib - plain).abs() < 1e-9, "{} is not {plain}", terms.fib);
     }

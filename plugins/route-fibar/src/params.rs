@@ -71,6 +71,9 @@ pub struct Params {
     /// the term as printed.
     #[schemars(range(min = 0.0, max = 10.0), extend("unit" = "mm"))]
     pub even_within_mm: f64,
+    /// Whether E_reg compares the fixed end pieces with the legs next to them, too; short fibres then zigzag until their
+    /// legs are as long as the end pieces.
+    pub even_out_ends: bool,
 
     /// Most iterations of Adam.
     #[schemars(range(min = 0, max = 1000000))]
@@ -122,10 +125,10 @@ impl Default for Params {
             marker_tolerance_mm: 0.5,
             rounds: 5,
             moves: 1000,
-            length_gain: 0.3,
-            bend_gain: 0.03,
-            fibre_step_mm: 0.003,
-            fibre_threshold_mm: 5.0,
+            length_gain: 0.45,
+            bend_gain: 0.015,
+            fibre_step_mm: 0.01,
+            fibre_threshold_mm: 4.2,
             surface_step_mm: 0.02,
             surface_threshold_mm: 3.0,
             longest_move_mm: 0.5,
@@ -138,6 +141,7 @@ impl Default for Params {
             cut_off: 1e-5,
             surface_points_per_mm2: 0.8,
             even_within_mm: 0.1,
+            even_out_ends: false,
             iterations: 3000,
             learning_rate_mm: 0.01,
             patience: 300,

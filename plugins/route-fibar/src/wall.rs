@@ -132,7 +132,7 @@ mod tests {
             let depth = 1.6 + 0.15 * f64::from(k);
             let place = DVec3::new(0.13 * f64::from(k), -0.21 * f64::from(k), 15.0 - depth);
             let (sum, exact) = (wall.sum_with_gradient(place).0, before_plane(depth, &params));
-            assert!((sum - exact).abs() < 0.04 * exact, "{depth} mm deep: {sum} is not {exact}");
+            assert!((sum - exact).abs() < 0.06 * exact, "{depth} mm deep: {sum} is not {exact}");
         }
         assert!(wall.sum_with_gradient(DVec3::ZERO).0.abs() < 1e-6);
     }
