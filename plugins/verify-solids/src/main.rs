@@ -7,6 +7,7 @@
 mod hole;
 mod layers;
 mod part;
+mod pierce;
 mod scan;
 mod sum;
 mod sweep;

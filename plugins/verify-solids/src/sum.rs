@@ -31,8 +31,6 @@ pub struct Sums {
     pub gap: Total,
     /// Inside a solid and outside the object.
     pub outside: Total,
-    /// Inside both the object and an LED's hole.
-    pub hole: f64,
     /// Lines that went too close to a corner to be told.
     pub skipped_lines: usize,
 }
@@ -61,7 +59,6 @@ impl Sums {
             overlap: self.overlap.and(other.overlap),
             gap: self.gap.and(other.gap),
             outside: self.outside.and(other.outside),
-            hole: self.hole + other.hole,
             skipped_lines: self.skipped_lines + other.skipped_lines,
         }
     }
@@ -72,7 +69,6 @@ impl Sums {
             overlap: self.overlap.times(area),
             gap: self.gap.times(area),
             outside: self.outside.times(area),
-            hole: self.hole * area,
             ..self
         }
     }

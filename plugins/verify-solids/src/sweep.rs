@@ -11,10 +11,8 @@ pub enum Owner {
     Part(u16),
     /// The object before anything was cut.
     Body,
-    /// The hole of an LED, as drawn.
+    /// The hole of an LED, with some allowance.
     Hole,
-    /// The same with some allowance.
-    WideHole,
 }
 
 /// A line enters or leaves something.
@@ -80,23 +78,22 @@ struct Inside {
     parts: Vec<i32>,
     body: i32,
     hole: i32,
-    wide_hole: i32,
     /// Number of parts that it is inside of.
     cover: usize,
 }
 
 impl Inside {
     fn new(part_count: usize) -> Inside {
-        Inside { parts: vec![0; part_count], body: 0, hole: 0, wide_hole: 0, cover: 0 }
+        Inside { parts: vec![0; part_count], body: 0, hole: 0, cover: 0 }
     }
 
     fn clear(&mut self) {
         self.parts.fill(0);
-        (self.body, self.hole, self.wide_hole, self.cover) = (0, 0, 0, 0);
+        (self.body, self.hole, self.cover) = (0, 0, 0);
     }
 
     fn is_clear(&self) -> bool {
-        self.parts.iter().all(|count| *count == 0) && [self.body, self.hole, self.wide_hole] == [0; 3]
+        self.parts.iter().all(|count| *count == 0) && [self.body, self.hole] == [0; 2]
     }
 
     fn pass(&mut self, event: &Event) {
@@ -104,7 +101,6 @@ impl Inside {
         match event.owner {
             Owner::Body => self.body += step,
             Owner::Hole => self.hole += step,
-            Owner::WideHole => self.wide_hole += step,
             Owner::Part(k) => {
                 let count = &mut self.parts[k as usize];
                 let was_inside = *count > 0;
@@ -119,17 +115,14 @@ impl Inside {
     }
 
     fn account(&self, spot: Spot, coincident: bool, sums: &mut Sums) {
-        let in_body = self.body > 0;
-        if in_body && self.hole > 0 {
-            sums.hole += spot.length;
-        }
         if coincident {
             return;
         }
+        let in_body = self.body > 0;
         if self.cover > 1 {
             sums.overlap.add(spot, self.pair());
         }
-        if self.cover == 0 && in_body && self.wide_hole == 0 {
+        if self.cover == 0 && in_body && self.hole == 0 {
             sums.gap.add(spot, None);
         }
         if self.cover > 0 && !in_body {
@@ -148,7 +141,7 @@ impl Inside {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use Owner::{Body, Hole, Part, WideHole};
+    use Owner::{Body, Hole, Part};
 
     fn line(stretches: &[(Owner, f64, f64)]) -> Vec<Event> {
         let event = |owner, x, enters| Event { column: 0, x, enters, owner, slope: 1.0 };
@@ -160,29 +153,27 @@ mod tests {
     }
 
     #[track_caller]
-    fn check(stretches: &[(Owner, f64, f64)], [overlap, gap, outside, hole]: [f64; 4]) {
+    fn check(stretches: &[(Owner, f64, f64)], [overlap, gap, outside]: [f64; 3]) {
         let found = sweep(&line(stretches), 2, |_| DVec2::ZERO);
-        let lengths = [found.overlap.length, found.gap.length, found.outside.length, found.hole];
-        assert_eq!(lengths, [overlap, gap, outside, hole]);
+        let lengths = [found.overlap.length, found.gap.length, found.outside.length];
+        assert_eq!(lengths, [overlap, gap, outside]);
         assert_eq!(found.skipped_lines, 0);
     }
 
     #[test]
     fn stretches_are_told_apart() {
-        check(&[(Body, 0.0, 8.0), (Part(0), 0.0, 4.0), (Part(1), 4.0, 8.0)], [0.0; 4]);
-        check(&[(Body, 0.0, 8.0), (Part(0), 0.0, 5.0), (Part(1), 4.0, 8.0)], [1.0, 0.0, 0.0, 0.0]);
-        check(&[(Body, 0.0, 8.0), (Part(0), 0.0, 3.0), (Part(1), 5.0, 8.0)], [0.0, 2.0, 0.0, 0.0]);
-        check(&[(Body, 0.0, 8.0), (Part(0), -1.0, 4.0), (Part(1), 4.0, 9.5)], [0.0, 0.0, 2.5, 0.0]);
-        let holes = [(Hole, 3.0, 5.0), (WideHole, 2.5, 5.5)];
-        let parts = [(Body, 0.0, 8.0), (Part(0), 0.0, 3.0), (Part(1), 5.0, 8.0)];
-        check(&[&holes[..], &parts[..]].concat(), [0.0, 0.0, 0.0, 2.0]);
+        check(&[(Body, 0.0, 8.0), (Part(0), 0.0, 4.0), (Part(1), 4.0, 8.0)], [0.0; 3]);
+        check(&[(Body, 0.0, 8.0), (Part(0), 0.0, 5.0), (Part(1), 4.0, 8.0)], [1.0, 0.0, 0.0]);
+        check(&[(Body, 0.0, 8.0), (Part(0), 0.0, 3.0), (Part(1), 5.0, 8.0)], [0.0, 2.0, 0.0]);
+        check(&[(Body, 0.0, 8.0), (Part(0), -1.0, 4.0), (Part(1), 4.0, 9.5)], [0.0, 0.0, 2.5]);
+        check(&[(Body, 0.0, 8.0), (Part(0), 0.0, 3.0), (Hole, 2.5, 5.5), (Part(1), 5.0, 8.0)], [0.0; 3]);
     }
 
     #[test]
     fn faces_that_coincide_do_not_count() {
         let crack = 1e-5;
-        check(&[(Body, 0.0, 8.0), (Part(0), 0.0, 4.0 + crack), (Part(1), 4.0, 8.0)], [0.0; 4]);
-        check(&[(Body, 0.0, 8.0), (Part(0), 0.0, 4.0 - crack), (Part(1), 4.0, 8.0 + crack)], [0.0; 4]);
+        check(&[(Body, 0.0, 8.0), (Part(0), 0.0, 4.0 + crack), (Part(1), 4.0, 8.0)], [0.0; 3]);
+        check(&[(Body, 0.0, 8.0), (Part(0), 0.0, 4.0 - crack), (Part(1), 4.0, 8.0 + crack)], [0.0; 3]);
     }
 
     #[test]

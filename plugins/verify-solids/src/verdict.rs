@@ -1,10 +1,12 @@
 //! What was measured against what is asked.
 
 use crate::Params;
+use crate::hole::volume_within;
 use crate::layers::RoleWalls;
 use crate::part::Object;
 use crate::sum::{Sums, Total};
 use crate::topology::{self, Topology};
+use fibar_core::artefact::sockets::Sockets;
 use fibar_core::artefact::verdict::{Finding, Place};
 use fibar_core::material::Role;
 use fibar_plugin::{Job, Violation};
@@ -50,7 +52,7 @@ pub fn judge(
     let mut judged = Judged::default();
     judge_closedness(object, topologies, &mut judged);
     judge_components(object, topologies, &mut judged);
-    judge_volume(params, object, topologies, scanned, &mut judged);
+    judge_volume(params, object, topologies, &mut judged);
     judge_overlap(params, object, scanned, &mut judged);
     judge_gaps(params, object, scanned, &mut judged);
     walls.iter().for_each(|role| judge_walls(params, object, role, &mut judged));
@@ -103,15 +105,11 @@ fn judge_components(object: &Object, topologies: &[Topology], judged: &mut Judge
     judged.metric("solids.components", total as f64, "1");
 }
 
-fn judge_volume(
-    params: &Params,
-    object: &Object,
-    topologies: &[Topology],
-    scanned: &Sums,
-    judged: &mut Judged,
-) {
+fn judge_volume(params: &Params, object: &Object, topologies: &[Topology], judged: &mut Judged) {
     let sum: f64 = topologies.iter().map(|t| t.volume_mm3).sum();
-    let expected = topology::volume(&object.body) - scanned.hole;
+    let Sockets { hole, sockets, .. } = &object.sockets;
+    let holes: f64 = sockets.iter().map(|socket| volume_within(&object.body, socket, hole)).sum();
+    let expected = topology::volume(&object.body) - holes;
     let ratio = (sum - expected).abs() / expected;
     judged.findings.push(Finding {
         rule: "solids.volume".into(),
