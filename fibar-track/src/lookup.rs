@@ -53,3 +53,68 @@ fn table(model: &Model) -> (Vec<Entry<'_>>, Vec<usize>) {
     });
     lines.unzip()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::pose::Pose;
+    use crate::synthetic::{Random, object};
+    use fibar_core::artefact::constellation::Constellation;
+    use glam::DVec3;
+    use std::f64::consts::FRAC_PI_2;
+
+    const CAMERA: Camera =
+        Camera { focal_px: 1100.0, centre_px: DVec2::new(360.0, 270.0), size_px: DVec2::new(720.0, 540.0) };
+
+    fn see(model: &Model, pose: &Pose) -> (Vec<Blob>, Vec<Option<usize>>) {
+        let places = (0..model.markers().len()).map(|k| (k, model.project(&CAMERA, pose, k)));
+        let seen = places
+            .filter_map(|(k, at)| at.map(|at| (Blob { at, pattern: model.markers()[k].pattern }, Some(k))));
+        seen.unzip()
+    }
+
+    /// An object whose table was made from the very view that it is tried on.
+    fn object_learned_from(pose: &Pose) -> Constellation {
+        let mut constellation = object(&mut Random::new(16), 70);
+        let model = Model::new(&constellation, 1.0);
+        let (blobs, owners) = see(&model, pose);
+        for (sequence, owner) in neighbour_patterns(&blobs).into_iter().zip(owners) {
+            constellation.markers[owner.expect("seen")].neighbours = vec![sequence];
+        }
+        constellation
+    }
+
+    #[test]
+    fn the_view_of_the_table_is_named_and_a_rolled_one_mended_by_pose() {
+        let (eye, target) = (DVec3::new(500.0, 300.0, 400.0), DVec3::ZERO);
+        let model = Model::new(&object_learned_from(&Pose::looking(eye, target, 0.0)), 1.0);
+        let check = |roll: f64, least_named: f64, least_mended: f64| {
+            let (blobs, owners) = see(&model, &Pose::looking(eye, target, roll));
+            let names = name_by_lookup(&model, &blobs);
+            let (mended, _) = correct_by_pose(&model, &CAMERA, &blobs, &names, &ConsensusOptions::default());
+            let rate = |names: &[Option<usize>]| {
+                names.iter().zip(&owners).filter(|(a, b)| a == b).count() as f64 / owners.len() as f64
+            };
+            assert!(rate(&names) >= least_named, "roll {roll}: {} named", rate(&names));
+            assert!(rate(&mended) >= least_mended, "roll {roll}: {} mended", rate(&mended));
+        };
+        check(0.0, 1.0, 1.0);
+        check(0.2, 0.6, 1.0);
+        check(FRAC_PI_2, 0.2, 0.0);
+    }
+
+    #[test]
+    fn too_few_blobs_keep_their_names() {
+        let model = Model::new(&object_learned_from(&Pose::looking(DVec3::X * 600.0, DVec3::ZERO, 0.0)), 1.0);
+        let options = ConsensusOptions::default();
+        let check = |blobs: &[Blob], names: &[Option<usize>]| {
+            let (corrected, estimate) = correct_by_pose(&model, &CAMERA, blobs, names, &options);
+            assert_eq!(corrected, names);
+            assert!(estimate.is_none());
+        };
+        let blob = Blob { at: DVec2::ONE, pattern: PatternId(1) };
+        check(&[], &[]);
+        check(&[blob; 3], &[Some(1), Some(2), None]);
+        assert_eq!(name_by_lookup(&model, &[Blob { pattern: PatternId(9), ..blob }]), [None]);
+    }
+}

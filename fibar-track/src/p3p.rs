@@ -149,7 +149,8 @@ impl Quadrics {
             }
             let step = self.jacobian(l).inverse() * (residual * 0.5);
             // Where roots coincide the matrix is singular and the start is as good as it gets.
-            if !(step.length_squared() <= 1e-4 * l.length_squared()) {
+            let small = step.length_squared() <= 1e-4 * l.length_squared();
+            if !small {
                 break;
             }
             l -= step;

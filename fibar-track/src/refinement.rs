@@ -100,7 +100,7 @@ impl Equations {
         for Correspondence { point, pixel } in seen {
             let arm = pose.rotation * (*point - pivot);
             let z = arm + pose.translation;
-            if !(z.z > 1e-6) {
+            if z.z.is_nan() || z.z <= 1e-6 {
                 return None;
             }
             let off = camera.project(z) - *pixel;

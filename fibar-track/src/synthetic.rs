@@ -1,6 +1,8 @@
 //! Synthetic problems for the tests: seeded points, poses and noise.
 
 use crate::pose::{Pose, rotation_by};
+use fibar_core::artefact::constellation::{Constellation, Marker, Pattern};
+use fibar_core::id::{MarkerId, PatternId};
 use glam::{DVec2, DVec3};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
@@ -50,6 +52,20 @@ impl Random {
         let angle = self.within(0.0..std::f64::consts::TAU);
         DVec2::new(radius * libm::cos(angle), radius * libm::sin(angle))
     }
+}
+
+/// Markers of seven patterns at random on an ellipsoid, 100 to 140 mm wide, normals outward.
+pub fn object(random: &mut Random, markers: u32) -> Constellation {
+    let patterns = (1..=7).map(|id| Pattern { id: PatternId(id), bits: vec![true] }).collect();
+    let radii = DVec3::new(50.0, 60.0, 70.0);
+    let mut marker = |id: u32| {
+        let direction = random.direction();
+        let pattern = PatternId(1 + random.below(7) as u32);
+        let normal = (direction / radii).normalize();
+        Marker { id: MarkerId(id), position: direction * radii, normal, pattern, neighbours: vec![] }
+    };
+    let markers = (1..=markers).map(&mut marker).collect();
+    Constellation::new(350.0, patterns, markers)
 }
 
 /// A camera somewhere around the origin, looking nearly at it, at any roll.

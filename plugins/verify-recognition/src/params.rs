@@ -33,6 +33,9 @@ pub struct Params {
     /// Standard deviation of a blob's centre, in each direction.
     #[schemars(range(min = 0.0, max = 100.0), extend("unit" = "px"))]
     pub noise_px: f64,
+    /// Share of the blobs whose bits are misread as those of another pattern.
+    #[schemars(range(min = 0.0, max = 1.0), extend("unit" = "1"))]
+    pub misread_share: f64,
     /// A marker is seen only within this angle of its normal.
     #[schemars(range(min = 1.0, max = 90.0), extend("unit" = "deg"))]
     pub emission_limit_deg: f64,
@@ -74,6 +77,7 @@ impl Default for Params {
             width_px: 720,
             height_px: 540,
             noise_px: 0.3,
+            misread_share: 0.0,
             emission_limit_deg: 60.0,
             lift_mm: 0.02,
             pose_turn_deg: 3.0,

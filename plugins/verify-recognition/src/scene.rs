@@ -29,6 +29,8 @@ pub struct Sighting {
     pub noise: DVec2,
     /// Missing when less than the share that is missing.
     pub luck: f64,
+    /// What its bits are read as.
+    pub pattern: PatternId,
 }
 
 impl Scene<'_> {
@@ -44,19 +46,29 @@ impl Scene<'_> {
                 && poses.iter().all(|pose| in_image(&camera, pose, m.position))
                 && self.occluder.is_clear(m.position + m.normal * params.lift_mm, viewpoint.eye)
         };
-        let sighting =
-            |marker| Sighting { marker, noise: chance.normal_pair(), luck: chance.within(0.0, 1.0) };
+        let sighting = |marker| Sighting {
+            marker,
+            noise: chance.normal_pair(),
+            luck: chance.within(0.0, 1.0),
+            pattern: self.read(marker, params.misread_share, chance),
+        };
         (0..self.constellation.markers.len()).filter(|&k| shows(k)).map(sighting).collect()
+    }
+
+    /// A marker's pattern, or with a chance of `misread_share` any other one.
+    fn read(&self, marker: usize, misread_share: f64, chance: &mut Chance) -> PatternId {
+        let pattern = self.constellation.markers[marker].pattern;
+        let others = self.constellation.patterns.iter().map(|p| p.id).filter(|p| *p != pattern);
+        let misread = chance.within(0.0, 1.0) < misread_share;
+        let pick = chance.within(0.0, others.clone().count() as f64) as usize;
+        others.clone().nth(pick).filter(|_| misread).unwrap_or(pattern)
     }
 
     /// The image of the sightings that are not missing.
     pub fn blobs(&self, camera: &Camera, pose: &Pose, sightings: &[Sighting], noise_px: f64) -> Vec<Blob> {
         let blob = |s: &Sighting| {
-            let marker = &self.constellation.markers[s.marker];
-            Blob {
-                at: camera.project(pose.apply(marker.position)) + s.noise * noise_px,
-                pattern: marker.pattern,
-            }
+            let place = self.constellation.markers[s.marker].position;
+            Blob { at: camera.project(pose.apply(place)) + s.noise * noise_px, pattern: s.pattern }
         };
         sightings.iter().map(blob).collect()
     }
