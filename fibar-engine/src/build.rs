@@ -86,6 +86,7 @@ pub fn plan_all(recipes: &[PathBuf], options: &BuildOptions<'_>) -> Result<Vec<P
 /// Builds plans; an artefact found damaged is rebuilt.
 pub fn build_plans(plans: &[Plan], options: &BuildOptions<'_>) -> Result<Vec<BuildReport>> {
     let started = Instant::now();
+    let _running = options.store.register()?;
     for _ in 0..MAX_ROT {
         match attempt(plans, options, started) {
             Err(Rot::Rebuild(digest)) => options.observer.event(&Event::Rebuilding { digest }),

@@ -9,6 +9,7 @@ mod metrics;
 mod report;
 mod timings;
 
+pub(crate) use lock::keys_of;
 pub use report::{BuildReport, FoundViolation, PublishedFile, StageReport};
 
 use crate::build::{BuildOptions, Finished, Waivers};
@@ -44,6 +45,7 @@ pub(crate) fn publish(
     let files = folder.publish(&wanted)?;
     folder.write("metrics.json", metrics::text(plan, finished).as_bytes())?;
     folder.write("fibar.lock", lock::text(plan, finished, &files).as_bytes())?;
+    options.store.pin(&folder.path().join("fibar.lock"))?;
     folder.remove_stale(&previous, &files);
     if broken.is_empty() {
         folder.remove(UNVERIFIED);

@@ -10,6 +10,7 @@
 //! Unsafe code lives in [`os`] alone.
 
 pub mod build;
+pub mod explain;
 pub mod host;
 pub mod ledger;
 pub mod plan;

@@ -10,20 +10,26 @@
 //! | `quarantine/` | blobs whose bytes no longer match their name |
 //! | `tmp/` | files on their way |
 //! | `environments/` | Python environments of stages, by lock file and interpreter |
+//! | `builds/` | a held `flock` per running build |
+//! | `roots/` | which lock files of build folders pin their actions |
 //! | `empty/` | nothing, ever: where sandboxes begin |
 //!
 //! Every file becomes visible by rename, complete; a build syncs all its files at its end, at once (see
 //! `docs/decisions/sync-once.md`). No database, no daemon; deleting the store costs time only.
 
 mod action;
+mod audit;
 mod blob;
+mod gc;
 mod lock;
 mod stat_cache;
 mod sync;
 mod tree;
 
 pub use action::{Action, Output};
+pub use audit::{Audit, Stats};
 pub use blob::Rot;
+pub use gc::{Collected, Registration};
 pub use lock::KeyLock;
 pub use stat_cache::StatCache;
 pub use tree::{Tree, TreeFile};

@@ -41,7 +41,7 @@ impl Session {
     pub fn start(mut command: Command) -> std::io::Result<Session> {
         command.arg(fibar_core::protocol::STDIO_FLAG);
         command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
-        let mut child = command.spawn()?;
+        let mut child = spawn(&mut command)?;
         let (to_plugin, lines) = channel();
         let (heard, from_plugin) = sync_channel(MAX_UNREAD);
         let pipes = (child.stdin.take(), child.stdout.take(), child.stderr.take());
@@ -119,6 +119,20 @@ impl Heard {
             Heard::Silence | Heard::Stderr(_) => format!("it did not send {expected} in time"),
         }
     }
+}
+
+/// A plugin that was written a moment ago may still be open for writing in a process that another thread is just forking;
+/// that passes.
+fn spawn(command: &mut Command) -> std::io::Result<Child> {
+    for _ in 0..50 {
+        match command.spawn() {
+            Err(e) if e.kind() == std::io::ErrorKind::ExecutableFileBusy => {
+                std::thread::sleep(Duration::from_millis(10));
+            }
+            other => return other,
+        }
+    }
+    command.spawn()
 }
 
 fn write_lines(mut stdin: ChildStdin, lines: &Receiver<String>) {

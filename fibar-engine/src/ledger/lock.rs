@@ -31,6 +31,17 @@ pub(super) fn text(plan: &Plan, finished: &[Finished], files: &[PublishedFile]) 
     format!("{HEADER}{}\n", lines.join("\n"))
 }
 
+/// The keys that a lock names, by stage; lines that cannot be read are skipped.
+pub(crate) fn keys_of(text: &str) -> BTreeMap<String, Digest> {
+    let key = |line: &str| {
+        let mut words = line.strip_prefix("stage ")?.split(' ');
+        let stage = words.next()?;
+        let key = words.find_map(|word| word.strip_prefix("key="))?;
+        Some((stage.to_owned(), key.parse().ok()?))
+    };
+    text.lines().filter_map(key).collect()
+}
+
 /// The outputs that a lock names; lines that cannot be read are skipped.
 pub(super) fn outputs_of(text: &str) -> BTreeMap<String, Digest> {
     let output = |line: &str| {

@@ -80,6 +80,12 @@ pub fn file_identity(meta: &std::fs::Metadata) -> [i64; 4] {
     [meta.dev() as i64, meta.ino() as i64, modified, changed]
 }
 
+/// What tells one file from another: device and inode.
+pub fn same_file(meta: &std::fs::Metadata) -> (u64, u64) {
+    use std::os::unix::fs::MetadataExt;
+    (meta.dev(), meta.ino())
+}
+
 /// Whether a file has other names too, through which it could still be written.
 pub fn has_other_names(meta: &std::fs::Metadata) -> bool {
     use std::os::unix::fs::MetadataExt;

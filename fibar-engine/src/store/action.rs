@@ -53,14 +53,18 @@ impl Action {
 }
 
 impl Store {
-    fn action_path(&self, key: &Digest) -> PathBuf {
+    pub(super) fn action_path(&self, key: &Digest) -> PathBuf {
         self.root().join("actions").join(key.to_string())
     }
 
     /// A finished action whose outputs are all there. Anything unreadable is a miss.
     pub fn find_action(&self, key: &Digest) -> Option<Action> {
         let action = self.read_action(key)?;
-        action.outputs.values().all(|output| self.has_output(output)).then_some(action)
+        let complete = action.outputs.values().all(|output| self.has_output(output));
+        if complete {
+            self.touch_action(key);
+        }
+        complete.then_some(action)
     }
 
     /// A finished action, whether or not its outputs are still there.

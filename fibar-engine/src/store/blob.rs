@@ -6,6 +6,7 @@ use crate::{Class, Digest, Result, os};
 use fibar_core::diagnostic::Diagnostic;
 use std::fs::File;
 use std::path::{Path, PathBuf};
+use std::time::SystemTime;
 
 /// A blob that cannot be handed out: gone, or its bytes no longer match its name.
 #[derive(Debug, Clone)]
@@ -31,6 +32,7 @@ impl Store {
     pub fn adopt_blob(&self, file: &Path) -> Result<(Digest, u64)> {
         let (digest, size) = Digest::of_file(file).context("read", file)?;
         if self.has_blob(&digest, size) {
+            self.touch_blob(&digest);
             return Ok((digest, size));
         }
         os::make_read_only(file).context("protect", file)?;
@@ -43,7 +45,9 @@ impl Store {
     /// Stores bytes.
     pub fn put_blob(&self, bytes: &[u8]) -> Result<Digest> {
         let digest = Digest::of(bytes);
-        if !self.has_blob(&digest, bytes.len() as u64) {
+        if self.has_blob(&digest, bytes.len() as u64) {
+            self.touch_blob(&digest);
+        } else {
             self.publish_bytes(&self.blob_path(&digest), bytes)?;
         }
         Ok(digest)
@@ -72,6 +76,21 @@ impl Store {
     pub fn read_blob(&self, digest: &Digest) -> std::result::Result<Vec<u8>, Rot> {
         match std::fs::read(self.blob_path(digest)) {
             Ok(bytes) if Digest::of(&bytes) == *digest => Ok(bytes),
+            Ok(_) => Err(self.quarantine(digest)),
+            Err(e) if e.kind() == std::io::ErrorKind::NotFound => Err(Rot::Rebuild(*digest)),
+            Err(e) => Err(Rot::Other(Error::io("read", &self.blob_path(digest), &e))),
+        }
+    }
+
+    /// Marks a blob as made now, so that it is not collected as somebody else's leftover.
+    fn touch_blob(&self, digest: &Digest) {
+        let _ = File::open(self.blob_path(digest)).and_then(|file| file.set_modified(SystemTime::now()));
+    }
+
+    /// Hashes a blob; its size.
+    pub fn check_blob(&self, digest: &Digest) -> std::result::Result<u64, Rot> {
+        match Digest::of_file(&self.blob_path(digest)) {
+            Ok((found, size)) if found == *digest => Ok(size),
             Ok(_) => Err(self.quarantine(digest)),
             Err(e) if e.kind() == std::io::ErrorKind::NotFound => Err(Rot::Rebuild(*digest)),
             Err(e) => Err(Rot::Other(Error::io("read", &self.blob_path(digest), &e))),

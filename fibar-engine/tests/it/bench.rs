@@ -1,7 +1,7 @@
 //! A workbench: a folder with plugins, a store, recipes and a build folder.
 
 use fibar_engine::build::{self, Budget, BuildOptions, Silent, Waivers};
-use fibar_engine::host::Sandbox;
+use fibar_engine::host::{Limits, Sandbox};
 use fibar_engine::ledger::BuildReport;
 use fibar_engine::plugin::PluginPath;
 use fibar_engine::{Result, Store};
@@ -12,10 +12,11 @@ use tempfile::TempDir;
 const STAGES: [&str; 4] = ["make-text", "upper-text", "bind-text", "verify-text"];
 
 pub struct Bench {
-    folder: TempDir,
+    pub folder: TempDir,
     pub waivers: Waivers,
     pub cores: u32,
     pub sandbox: Sandbox,
+    pub limits: Limits,
 }
 
 /// A recipe of all demo stages, with `extra` lines for each: make, upper, bind, verify.
@@ -34,11 +35,19 @@ impl Bench {
         let folder = TempDir::new().unwrap();
         std::fs::create_dir(folder.path().join("plugins")).unwrap();
         let executable = std::env::current_exe().unwrap();
-        let stages = executable.parent().unwrap().join("../examples/demo-stages");
+        let examples = executable.parent().unwrap().join("../examples");
         for name in STAGES {
-            std::fs::copy(&stages, folder.path().join("plugins").join(name)).unwrap();
+            std::fs::copy(examples.join("demo-stages"), folder.path().join("plugins").join(name)).unwrap();
         }
-        Bench { folder, waivers: Waivers::Respect, cores: 2, sandbox: Sandbox::Auto }
+        let rude = folder.path().join("plugins/rude-stage");
+        std::fs::copy(examples.join("rude-stage"), rude).unwrap();
+        Bench {
+            folder,
+            waivers: Waivers::Respect,
+            cores: 2,
+            sandbox: Sandbox::Auto,
+            limits: Limits::default(),
+        }
     }
 
     pub fn path(&self, name: &str) -> PathBuf {
@@ -49,6 +58,14 @@ impl Bench {
         let path = self.path(name);
         std::fs::write(&path, text).unwrap();
         path
+    }
+
+    /// A plugin that is a script.
+    #[cfg(unix)]
+    pub fn write_plugin(&self, name: &str, script: &str) {
+        use std::os::unix::fs::PermissionsExt;
+        let path = self.write(&format!("plugins/{name}"), script);
+        std::fs::set_permissions(path, std::fs::Permissions::from_mode(0o755)).unwrap();
     }
 
     pub fn read(&self, name: &str) -> String {
@@ -83,7 +100,7 @@ impl Bench {
                 waivers: self.waivers,
                 sandbox: self.sandbox,
                 threads: None,
-                limits: Default::default(),
+                limits: self.limits,
                 observer: &Silent,
                 is_cancelled,
             },

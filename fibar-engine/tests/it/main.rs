@@ -6,3 +6,4 @@ mod bench;
 mod caching;
 mod mistakes;
 mod publishing;
+mod rudeness;
