@@ -127,7 +127,8 @@ impl Build {
     /// How many stages the build executed, by its own timings.
     #[track_caller]
     pub fn executed(&self) -> usize {
-        let timings: Value = serde_json::from_slice(&self.read("timings.json")).expect("timings.json is JSON");
+        let timings: Value =
+            serde_json::from_slice(&self.read("timings.json")).expect("timings.json is JSON");
         let stages = timings["stages"].as_array().expect("timings.json lists the stages");
         stages.iter().filter(|stage| stage["result"] == "executed").count()
     }
