@@ -11,8 +11,10 @@ mod inset;
 mod tube;
 
 mod ball;
+mod elbow;
 mod grid;
 mod polyline;
+mod specks;
 
 mod bridge;
 mod error;

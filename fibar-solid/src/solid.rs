@@ -2,6 +2,7 @@
 
 use crate::SolidError;
 use crate::bridge::ffi;
+use crate::specks::drop_specks;
 use cxx::UniquePtr;
 use fibar_core::artefact::mesh::TriangleMesh;
 use glam::DVec3;
@@ -113,10 +114,18 @@ impl Solid {
         checked(ffi::with_tolerance(&self.0, tolerance))
     }
 
-    /// Its disconnected shells, cavities with the shell that holds them.
+    /// Its disconnected shells. A cavity is a shell of its own, with a negative volume.
     pub fn components(&self) -> Result<Vec<Solid>, SolidError> {
         let pile = ffi::components_of(&self.0)?;
         Ok(pile.iter().map(|part| Solid(ffi::copy_of(part))).collect())
+    }
+
+    /// Without shells that enclose less than a volume, mm³: flakes are left out, cavities filled.
+    pub fn without_specks(&self, volume: f64) -> Result<Solid, SolidError> {
+        match drop_specks(&self.to_mesh()?, volume) {
+            Some(mesh) => Solid::from_mesh(&mesh),
+            None => Ok(self.clone()),
+        }
     }
 
     /// Minkowski difference with a convex body that holds the origin: the places at which that body fits inside.

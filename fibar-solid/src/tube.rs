@@ -13,11 +13,11 @@
 //!
 //! A mitre is possible while `R·(tan θ_i/2 + tan θ_i+1/2)` is less than the segment's length, that is, while the bend
 //! radius exceeds R. Where it is not, where it would stick out by more than the chord error, and where the axis comes
-//! back to itself, the tube is cut into runs, each a solid of its own, and a polyhedral ball of inradius R covers the
-//! joint. The union of the parts is a valid solid whatever the axis does, and keeps the walls: a point within `b − a` of
-//! the inner run's flat end is within `R_a + (b − a) ≤ R_b` of the joint.
+//! back to itself, the tube is cut into runs, each a solid of its own with flat ends, and an elbow fills the gap between
+//! them (`elbow.rs`). The union of the parts is a valid solid whatever the axis does, and keeps the walls.
 
-use crate::ball::{ball_corners, ball_frequency};
+use crate::ball::ball_frequency;
+use crate::elbow::{Elbow, elbow_corners};
 use crate::polyline::{PolylineOptions, polyline};
 use crate::{Solid, SolidError};
 use fibar_core::artefact::mesh::TriangleMesh;
@@ -48,8 +48,9 @@ pub struct Axis {
     /// Segments that form one mitred solid each.
     runs: Vec<Range<usize>>,
     sides: usize,
-    /// Corners of the ball of radius 1 at joints; the same for all layers, or their walls would not match.
-    ball: Vec<DVec3>,
+    max_turn: f64,
+    /// Fineness of the balls at hairpins; the same for all layers, or their walls would not match.
+    ball_frequency: usize,
 }
 
 /// Right-handed axes of a segment's cross-section.
@@ -76,9 +77,8 @@ impl Axis {
         let frames = transport(&points);
         let reach = outer_radius / libm::cos(PI / sides as f64);
         let runs = cut_into_runs(&points, &frames, reach, max_turn);
-        let ball =
-            if runs.len() > 1 { ball_corners(ball_frequency(reach, chord_error))? } else { Vec::new() };
-        Ok(Axis { points, frames, runs, sides, ball })
+        let ball_frequency = ball_frequency(reach, chord_error);
+        Ok(Axis { points, frames, runs, sides, max_turn, ball_frequency })
     }
 
     /// Number of sides of the cross-section.
@@ -86,8 +86,8 @@ impl Axis {
         self.sides
     }
 
-    /// Number of joints that no mitre fits, covered by a ball.
-    pub fn ball_joints(&self) -> usize {
+    /// Number of joints that no mitre fits, covered by an elbow.
+    pub fn elbows(&self) -> usize {
         self.runs.len() - 1
     }
 
@@ -97,6 +97,14 @@ impl Axis {
         radius * (half_angle / libm::tan(half_angle)).sqrt()
     }
 
+    /// Apothem of the layer around one of apothem `inner` that leaves a wall, mm.
+    ///
+    /// Without elbows that is their sum. Where tubes fold over themselves at elbows, only distances from the axis
+    /// count: the inner layer stays within its circumradius, the outer holds all within its apothem.
+    pub fn apothem_around(&self, inner: f64, wall: f64) -> f64 {
+        if self.elbows() == 0 { inner + wall } else { inner / libm::cos(PI / self.sides as f64) + wall }
+    }
+
     /// The tube of an apothem, mm, as parts that overlap where the axis is too tight for one; their union is the tube.
     pub fn tube(&self, apothem: f64) -> Result<Vec<Solid>, SolidError> {
         let circumradius = apothem / libm::cos(PI / self.sides as f64);
@@ -104,14 +112,24 @@ impl Axis {
         for run in &self.runs {
             parts.push(Solid::from_mesh(&self.mitred_run(run.clone(), circumradius))?);
         }
-        if self.ball_joints() > 0 {
-            let corners: Vec<DVec3> = self.ball.iter().map(|v| *v * circumradius).collect();
-            let ball = Solid::hull(&corners)?;
-            for run in &self.runs[1..] {
-                parts.push(ball.translate(self.points[run.start])?);
-            }
+        for run in &self.runs[1..] {
+            parts.push(Solid::hull(&self.elbow(run.start, circumradius)?)?);
         }
         Ok(parts)
+    }
+
+    /// Corners of the convex solid between the flat ends that meet at a joint.
+    fn elbow(&self, joint: usize, circumradius: f64) -> Result<Vec<DVec3>, SolidError> {
+        let ring = |segment| (0..self.sides).map(|side| self.offset(segment, side, circumradius)).collect();
+        let elbow = Elbow {
+            joint: self.points[joint],
+            before: self.frames[joint - 1].direction,
+            after: self.frames[joint].direction,
+            end: ring(joint - 1),
+            start: ring(joint),
+            max_turn: self.max_turn,
+        };
+        elbow_corners(&elbow, circumradius, self.ball_frequency)
     }
 
     /// A closed mesh: a ring of vertices per joint, flat ends.
@@ -137,13 +155,19 @@ impl Axis {
     fn corner(&self, run: &Range<usize>, joint: usize, side: usize, circumradius: f64) -> DVec3 {
         let segment = if joint == run.start { joint } else { joint - 1 };
         let frame = self.frames[segment];
-        let (sine, cosine) = libm::sincos(TAU * side as f64 / self.sides as f64);
-        let offset = (frame.first * cosine + frame.second * sine) * circumradius;
+        let offset = self.offset(segment, side, circumradius);
         if joint == run.start || joint == run.end {
             return self.points[joint] + offset;
         }
         let mitre = frame.direction + self.frames[joint].direction;
         self.points[joint] + offset - frame.direction * (offset.dot(mitre) / frame.direction.dot(mitre))
+    }
+
+    /// A corner of a segment's cross-section, as seen from the axis.
+    fn offset(&self, segment: usize, side: usize, circumradius: f64) -> DVec3 {
+        let frame = self.frames[segment];
+        let (sine, cosine) = libm::sincos(TAU * side as f64 / self.sides as f64);
+        (frame.first * cosine + frame.second * sine) * circumradius
     }
 }
 
@@ -305,6 +329,15 @@ mod tests {
         ]
     }
 
+    fn apothems(axis: &Axis) -> [f64; 3] {
+        let cladding = axis.apothem_around(0.87, 0.5);
+        [0.87, cladding, axis.apothem_around(cladding, 0.5)]
+    }
+
+    fn unite(axis: &Axis, apothem: f64) -> Solid {
+        Solid::union(&axis.tube(apothem).unwrap()).unwrap().without_specks(1e-6).unwrap()
+    }
+
     #[test]
     fn a_straight_tube_has_the_volume_of_its_prism() {
         let axis = axis(&zoo()[0].1, 0.02);
@@ -320,7 +353,7 @@ mod tests {
     fn an_arc_has_the_volume_of_a_torus() {
         for radius in [40.0, 5.0] {
             let axis = axis(&arc(radius), 0.005);
-            assert_eq!(axis.ball_joints(), 0, "radius {radius}");
+            assert_eq!(axis.elbows(), 0, "radius {radius}");
             let tube = Solid::union(&axis.tube(axis.apothem_of_equal_area(1.875)).unwrap()).unwrap();
             let expected = PI * PI / 2.0 * radius * 1.875 * 1.875;
             assert!((tube.volume() / expected - 1.0).abs() < 2e-3, "radius {radius}: {tube:?}");
@@ -331,7 +364,7 @@ mod tests {
     fn every_axis_gives_one_solid_that_grows_with_its_radius() {
         for (name, curve) in zoo() {
             let axis = axis(&curve, 0.03);
-            let tubes = [0.87, 1.37, 1.87].map(|apothem| Solid::union(&axis.tube(apothem).unwrap()).unwrap());
+            let tubes = apothems(&axis).map(|apothem| unite(&axis, apothem));
             for tube in &tubes {
                 assert_eq!(tube.components().unwrap().len(), 1, "{name}");
                 let least = PI * 0.87 * 0.87 * curve.length() * 0.4;
@@ -351,8 +384,7 @@ mod tests {
     fn walls_are_what_the_apothems_say() {
         for (name, curve) in zoo() {
             let axis = axis(&curve, 0.03);
-            let core = Solid::union(&axis.tube(0.87).unwrap()).unwrap().to_mesh().unwrap();
-            let cladding = Solid::union(&axis.tube(1.37).unwrap()).unwrap().to_mesh().unwrap();
+            let [core, cladding, _] = apothems(&axis).map(|apothem| unite(&axis, apothem).to_mesh().unwrap());
             let surface = fibar_geometry::distance::Surface::new(&cladding).unwrap();
             let ends = [axis.points[0], axis.points[axis.points.len() - 1]];
             let centres = (0..core.triangles.len()).map(|t| core.corners(t).iter().sum::<DVec3>() / 3.0);
@@ -372,7 +404,7 @@ mod tests {
     fn only_impossible_bends_are_cut() {
         let mut cut: Vec<&str> = Vec::new();
         for (name, curve) in zoo() {
-            if axis(&curve, 0.03).ball_joints() > 0 {
+            if axis(&curve, 0.03).elbows() > 0 {
                 cut.push(name);
             }
         }

@@ -16,6 +16,9 @@ const INTO_SOCKET_MM: f64 = 0.5;
 /// Added to every wall, mm: more than rounding to the export grid takes away.
 const WALL_MARGIN_MM: f64 = 1e-4;
 
+/// Cavities between the parts of a tight bend that are filled, mm³: a cube of 0.1 mm.
+const SPECK_MM3: f64 = 1e-3;
+
 /// All fibres of one LED, united layer by layer. Each layer holds the ones before it.
 pub struct LedTubes {
     /// The LED.
@@ -29,7 +32,7 @@ pub struct LedTubes {
     /// Whole fibres.
     pub black: Solid,
     /// Joints of the axes that no mitre fits.
-    pub ball_joints: usize,
+    pub elbows: usize,
 }
 
 /// Sweeps all fibres; the LEDs come in order of their pattern.
@@ -53,14 +56,14 @@ fn sweep_led(
     depth: f64,
 ) -> Result<LedTubes, StageError> {
     let axes: Vec<Axis> = fibres.iter().map(|f| axis(f, chord_error, depth)).collect::<Result<_, _>>()?;
-    let ball_joints = axes.iter().map(Axis::ball_joints).sum();
+    let elbows = axes.iter().map(Axis::elbows).sum();
     let layers: Vec<Solid> = (0..3)
         .into_par_iter()
         .map(|layer| unite(&axes, fibres, layer))
         .collect::<Result<_, SolidError>>()
         .map_err(|error| StageError::internal(format!("the fibres of LED {led}: {error}")))?;
     let [core, cladding, black] = layers.try_into().expect("three layers were made");
-    Ok(LedTubes { led, pattern, core, cladding, black, ball_joints })
+    Ok(LedTubes { led, pattern, core, cladding, black, elbows })
 }
 
 fn axis(fibre: &Fibre, chord_error: f64, depth: f64) -> Result<Axis, StageError> {
@@ -81,14 +84,14 @@ fn unite(axes: &[Axis], fibres: &[&Fibre], layer: usize) -> Result<Solid, SolidE
     for (axis, fibre) in axes.iter().zip(fibres) {
         parts.extend(axis.tube(apothems(axis, fibre)[layer])?);
     }
-    Solid::union(&parts)
+    Solid::union(&parts)?.without_specks(SPECK_MM3)
 }
 
 /// Apothems of core, cladding and black, mm: the core has its nominal area, the walls at least their nominal thickness.
 fn apothems(axis: &Axis, fibre: &Fibre) -> [f64; 3] {
     let radii = fibre.radii_mm;
     let core = axis.apothem_of_equal_area(radii.core);
-    let cladding = core + (radii.cladding - radii.core) + WALL_MARGIN_MM;
-    let black = cladding + (radii.black - radii.cladding) + WALL_MARGIN_MM;
+    let cladding = axis.apothem_around(core, radii.cladding - radii.core + WALL_MARGIN_MM);
+    let black = axis.apothem_around(cladding, radii.black - radii.cladding + WALL_MARGIN_MM);
     [core, cladding, black]
 }

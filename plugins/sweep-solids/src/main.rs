@@ -102,10 +102,10 @@ fn make_room(body: Solid, sockets: &Sockets, params: &Params) -> Result<Room, St
 }
 
 fn report_bends(tubes: &[LedTubes], job: &mut Job) {
-    let joints: usize = tubes.iter().map(|led| led.ball_joints).sum();
-    job.metric("sweep.ball_joints", joints as f64, "1");
+    let joints: usize = tubes.iter().map(|led| led.elbows).sum();
+    job.metric("sweep.elbows", joints as f64, "1");
     if joints > 0 {
-        let message = "bends tighter than the fibre's own radius are rounded off with balls";
+        let message = "bends tighter than the fibre's own radius are filled with elbows";
         job.log("warn", &format!("{message} ({joints} of them)"));
     }
 }
