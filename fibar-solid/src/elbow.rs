@@ -14,6 +14,7 @@
 
 use crate::SolidError;
 use crate::ball::ball_corners;
+use crate::polyline::angle;
 use glam::DVec3;
 
 /// Turn from which on a ball takes the elbow's place, rad.
@@ -44,7 +45,7 @@ pub fn elbow_corners(
     circumradius: f64,
     ball_frequency: usize,
 ) -> Result<Vec<DVec3>, SolidError> {
-    let turn = elbow.before.angle_between(elbow.after);
+    let turn = angle(elbow.before, elbow.after);
     if turn > HAIRPIN {
         let ball = ball_corners(ball_frequency)?;
         return Ok(ball.into_iter().map(|corner| elbow.joint + corner * circumradius).collect());

@@ -196,7 +196,7 @@ mod tests {
 
     #[test]
     fn the_number_of_threads_changes_nothing() {
-        let body = ball(7.0, 8);
+        let body = ball(7.0, 5);
         let run = |threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             let options = InsetOptions { thickness: 0.4, simplify: 0.002 };

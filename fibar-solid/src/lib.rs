@@ -10,19 +10,19 @@ mod solid;
 mod inset;
 mod tube;
 
-mod ball;
 mod elbow;
-mod grid;
 mod polyline;
+mod runs;
+
+mod ball;
+mod grid;
 mod specks;
 
 mod bridge;
 mod error;
 
-pub use ball::{ball_corners, ball_frequency};
 pub use error::SolidError;
 pub use grid::Grid;
 pub use inset::{InsetOptions, inset};
-pub use polyline::{PolylineOptions, polyline};
 pub use solid::Solid;
 pub use tube::{Axis, AxisOptions};

@@ -35,9 +35,9 @@ pub fn polyline(curve: &Curve, options: PolylineOptions) -> Vec<DVec3> {
 fn refine(curve: &Curve, [from, to]: [f64; 2], fine: PolylineOptions, depth: u32, points: &mut Vec<DVec3>) {
     let middle = 0.5 * (from + to);
     let (start, centre, end) = (curve.point(from), curve.point(middle), curve.point(to));
-    let turn = (centre - start).angle_between(end - centre);
+    let turn = angle(centre - start, end - centre);
     let is_flat = distance_to_segment(centre, start, end) <= fine.chord_error;
-    let is_straight = turn <= fine.max_turn || start.distance(end) < fine.chord_error || turn.is_nan();
+    let is_straight = turn <= fine.max_turn || start.distance(end) < fine.chord_error;
     if depth == 0 || (is_flat && is_straight) {
         points.extend([centre, end]);
         return;
@@ -66,8 +66,13 @@ fn may_skip(points: &[DVec3], options: PolylineOptions) -> bool {
     let (first, last) = (points[0], points[points.len() - 1]);
     let budget = options.chord_error * (1.0 - FINE);
     let near = points[1..points.len() - 1].iter().all(|p| distance_to_segment(*p, first, last) <= budget);
-    let turn = (points[1] - first).angle_between(last - points[points.len() - 2]);
+    let turn = angle(points[1] - first, last - points[points.len() - 2]);
     near && turn <= options.max_turn * (1.0 - FINE)
+}
+
+/// Angle between two vectors, rad; 0 when one of them is zero.
+pub(crate) fn angle(one: DVec3, other: DVec3) -> f64 {
+    libm::atan2(one.cross(other).length(), one.dot(other))
 }
 
 fn distance_to_segment(point: DVec3, start: DVec3, end: DVec3) -> f64 {

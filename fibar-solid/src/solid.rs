@@ -33,7 +33,9 @@ impl Solid {
     /// Convex hull; empty when the points span no volume.
     pub fn hull(points: &[DVec3]) -> Result<Solid, SolidError> {
         let flat: Vec<f64> = points.iter().flat_map(|v| v.to_array()).collect();
-        checked(ffi::hull_of_points(&flat))
+        let hull = checked(ffi::hull_of_points(&flat))?;
+        // Manifold gives a flat hull for flat points.
+        if hull.volume() > 0.0 { Ok(hull) } else { Ok(Solid::empty()) }
     }
 
     /// The surface: one vertex per place of the 2-manifold, triangles counter-clockwise from outside.
@@ -163,5 +165,78 @@ fn checked(made: Result<UniquePtr<ffi::Manifold>, cxx::Exception>) -> Result<Sol
     match SolidError::from_status(ffi::status_of(&solid)?) {
         None => Ok(Solid(solid)),
         Some(error) => Err(error),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn block(low: DVec3, high: DVec3) -> Solid {
+        let corner =
+            |k: usize| DVec3::from_array(std::array::from_fn(|axis| [low, high][k >> axis & 1][axis]));
+        Solid::hull(&(0..8).map(corner).collect::<Vec<_>>()).unwrap()
+    }
+
+    /// Volume mm³, area mm², genus and shells of a solid.
+    fn check(solid: &Solid, volume: f64, area: f64, genus: i32, shells: usize) {
+        assert!((solid.volume() - volume).abs() < 1e-9, "{solid:?}");
+        assert!((solid.surface_area() - area).abs() < 1e-9, "{solid:?}");
+        assert_eq!((solid.genus(), solid.components().unwrap().len()), (genus, shells), "{solid:?}");
+        let again = Solid::from_mesh(&solid.to_mesh().unwrap()).unwrap();
+        assert_eq!((again.volume(), again.triangle_count()), (solid.volume(), solid.triangle_count()));
+    }
+
+    #[test]
+    fn booleans_give_the_volumes_of_sets() {
+        let cube = block(DVec3::ZERO, DVec3::splat(3.0));
+        let drill = block(DVec3::new(1.0, 1.0, -1.0), DVec3::new(2.0, 2.0, 4.0));
+        let core = block(DVec3::ONE, DVec3::splat(2.0));
+        check(&cube, 27.0, 54.0, 0, 1);
+        check(&cube.subtract([&drill]).unwrap(), 24.0, 64.0, 1, 1);
+        check(&cube.intersect(&drill).unwrap(), 3.0, 14.0, 0, 1);
+        check(&Solid::union([&cube, &drill]).unwrap(), 29.0, 62.0, 0, 1);
+        check(&Solid::union([&core, &core.translate(DVec3::X * 5.0).unwrap()]).unwrap(), 2.0, 12.0, -1, 2);
+        check(&cube.subtract([&core]).unwrap(), 26.0, 60.0, -1, 2);
+        check(&cube.trim(DVec3::Z, 1.0).unwrap(), 18.0, 42.0, 0, 1);
+        check(&cube.erode(&core.translate(DVec3::splat(-1.5)).unwrap()).unwrap(), 8.0, 24.0, 0, 1);
+        assert_eq!(cube.bounds(), Some((DVec3::ZERO, DVec3::splat(3.0))));
+    }
+
+    #[test]
+    fn nothing_is_a_solid_too() {
+        let cube = block(DVec3::ZERO, DVec3::ONE);
+        let nothing = [
+            Solid::empty(),
+            Solid::union([]).unwrap(),
+            cube.intersect(&cube.translate(DVec3::X * 2.0).unwrap()).unwrap(),
+            cube.trim(DVec3::Z, 2.0).unwrap(),
+            Solid::hull(&[DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::ONE - DVec3::Z]).unwrap(),
+        ];
+        for solid in nothing {
+            assert!(solid.is_empty() && solid.bounds().is_none() && solid.volume() == 0.0);
+            assert_eq!(solid.to_mesh().unwrap(), TriangleMesh::default());
+        }
+    }
+
+    #[test]
+    fn broken_meshes_are_errors_not_empty_solids() {
+        let check = |break_it: &dyn Fn(&mut TriangleMesh), expected: SolidError| {
+            let mut mesh = block(DVec3::ZERO, DVec3::ONE).to_mesh().unwrap();
+            break_it(&mut mesh);
+            assert_eq!(Solid::from_mesh(&mesh).unwrap_err(), expected);
+        };
+        check(&|mesh| mesh.triangles.truncate(11), SolidError::NotManifold);
+        check(&|mesh| mesh.triangles[0].swap(0, 1), SolidError::NotManifold);
+        check(&|mesh| mesh.triangles[0][0] = 99, SolidError::VertexOutOfBounds);
+        check(&|mesh| mesh.vertices[3].y = f64::NAN, SolidError::NonFiniteVertex);
+        check(&|mesh| mesh.vertices[3].y = f64::INFINITY, SolidError::NonFiniteVertex);
+    }
+
+    #[test]
+    fn an_error_inside_manifold_is_a_value() {
+        let mesh = TriangleMesh { vertices: vec![DVec3::ZERO; 3], triangles: vec![[0, 1, 2]; 3] };
+        assert!(Solid::from_mesh(&mesh).is_err());
+        assert!(Solid::hull(&[DVec3::splat(f64::NAN); 9]).is_ok_and(|solid| solid.is_empty()));
     }
 }

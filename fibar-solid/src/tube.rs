@@ -14,11 +14,13 @@
 //! A mitre is possible while `R·(tan θ_i/2 + tan θ_i+1/2)` is less than the segment's length, that is, while the bend
 //! radius exceeds R. Where it is not, where it would stick out by more than the chord error, and where the axis comes
 //! back to itself, the tube is cut into runs, each a solid of its own with flat ends, and an elbow fills the gap between
-//! them (`elbow.rs`). The union of the parts is a valid solid whatever the axis does, and keeps the walls.
+//! them (`elbow.rs`). The union of the parts is a valid solid whatever the axis does. Where it folds over itself the walls
+//! follow from distances alone: all within `a` of the axis is inside, all beyond `R` but for the mitres is outside.
 
 use crate::ball::ball_frequency;
 use crate::elbow::{Elbow, elbow_corners};
 use crate::polyline::{PolylineOptions, polyline};
+use crate::runs::cut_into_runs;
 use crate::{Solid, SolidError};
 use fibar_core::artefact::mesh::TriangleMesh;
 use fibar_geometry::curve::Curve;
@@ -76,7 +78,7 @@ impl Axis {
         let sides = side_count(outer_radius, chord_error);
         let frames = transport(&points);
         let reach = outer_radius / libm::cos(PI / sides as f64);
-        let runs = cut_into_runs(&points, &frames, reach, max_turn);
+        let runs = cut_into_runs(&points, reach, max_turn);
         let ball_frequency = ball_frequency(reach, chord_error);
         Ok(Axis { points, frames, runs, sides, max_turn, ball_frequency })
     }
@@ -221,67 +223,6 @@ fn carry(vector: DVec3, from: DVec3, to: DVec3) -> DVec3 {
     (carried - to * carried.dot(to)).normalize()
 }
 
-/// Joints at which a mitre is impossible or too long end a run, and so does an axis that comes back to itself.
-fn cut_into_runs(points: &[DVec3], frames: &[SegmentFrame], reach: f64, max_turn: f64) -> Vec<Range<usize>> {
-    let turn = |joint: usize| frames[joint - 1].direction.angle_between(frames[joint].direction);
-    let mut slack = vec![0.0; points.len()];
-    (1..frames.len()).for_each(|joint| slack[joint] = reach * libm::tan(0.5 * turn(joint)));
-    let mut is_cut: Vec<bool> =
-        (0..points.len()).map(|j| j == 0 || j == frames.len() || turn(j) > max_turn).collect();
-    cut_tight_joints(points, &slack, &mut is_cut);
-    cut_near_returns(points, reach, &mut is_cut);
-    let cuts: Vec<usize> = (0..points.len()).filter(|&joint| is_cut[joint]).collect();
-    cuts.windows(2).map(|cut| cut[0]..cut[1]).collect()
-}
-
-/// Cuts until every segment is longer than what the mitres at its ends take off it, `slack` each.
-fn cut_tight_joints(points: &[DVec3], slack: &[f64], is_cut: &mut [bool]) {
-    let taken = |joint: usize, is_cut: &[bool]| if is_cut[joint] { 0.0 } else { slack[joint] };
-    for segment in 0..points.len() - 1 {
-        let length = 0.95 * points[segment].distance(points[segment + 1]);
-        if taken(segment, is_cut) + taken(segment + 1, is_cut) > length {
-            is_cut[segment + 1] = true;
-        }
-        if taken(segment, is_cut) > length {
-            is_cut[segment] = true;
-        }
-    }
-}
-
-/// Cuts between segments of a run that are nearer than two radii, but further apart along the axis than a half circle.
-fn cut_near_returns(points: &[DVec3], reach: f64, is_cut: &mut [bool]) {
-    let mut stations = vec![0.0];
-    points.windows(2).for_each(|p| stations.push(stations[stations.len() - 1] + p[0].distance(p[1])));
-    let mut run_start = 0;
-    for segment in 0..points.len() - 1 {
-        if is_cut[segment] {
-            run_start = segment;
-        }
-        let returns = |earlier: &usize| {
-            let far_along = stations[segment] - stations[earlier + 1] > PI * reach;
-            far_along && segment_distance(points, *earlier, segment) < 2.02 * reach
-        };
-        if let Some(earlier) = (run_start..segment).rev().find(returns) {
-            run_start = (earlier + 1 + segment).div_ceil(2);
-            is_cut[run_start] = true;
-        }
-    }
-}
-
-/// Least distance between two segments of a polyline, mm.
-fn segment_distance(points: &[DVec3], one: usize, other: usize) -> f64 {
-    let (p, u) = (points[one], points[one + 1] - points[one]);
-    let (q, v) = (points[other], points[other + 1] - points[other]);
-    let w = p - q;
-    let (uu, uv, vv, uw, vw) = (u.dot(u), u.dot(v), v.dot(v), u.dot(w), v.dot(w));
-    let determinant = uu * vv - uv * uv;
-    let s =
-        if determinant > 1e-12 * uu * vv { ((uv * vw - vv * uw) / determinant).clamp(0.0, 1.0) } else { 0.0 };
-    let t = ((uv * s + vw) / vv).clamp(0.0, 1.0);
-    let s = ((uv * t - uw) / uu).clamp(0.0, 1.0);
-    (p + u * s).distance(q + v * t)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -363,7 +304,7 @@ mod tests {
     #[test]
     fn every_axis_gives_one_solid_that_grows_with_its_radius() {
         for (name, curve) in zoo() {
-            let axis = axis(&curve, 0.03);
+            let axis = axis(&curve, 0.05);
             let tubes = apothems(&axis).map(|apothem| unite(&axis, apothem));
             for tube in &tubes {
                 assert_eq!(tube.components().unwrap().len(), 1, "{name}");
@@ -383,7 +324,7 @@ mod tests {
     #[test]
     fn walls_are_what_the_apothems_say() {
         for (name, curve) in zoo() {
-            let axis = axis(&curve, 0.03);
+            let axis = axis(&curve, 0.05);
             let [core, cladding, _] = apothems(&axis).map(|apothem| unite(&axis, apothem).to_mesh().unwrap());
             let surface = fibar_geometry::distance::Surface::new(&cladding).unwrap();
             let ends = [axis.points[0], axis.points[axis.points.len() - 1]];
@@ -404,7 +345,7 @@ mod tests {
     fn only_impossible_bends_are_cut() {
         let mut cut: Vec<&str> = Vec::new();
         for (name, curve) in zoo() {
-            if axis(&curve, 0.03).elbows() > 0 {
+            if axis(&curve, 0.05).elbows() > 0 {
                 cut.push(name);
             }
         }

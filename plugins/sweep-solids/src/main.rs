@@ -111,7 +111,7 @@ fn report_bends(tubes: &[LedTubes], job: &mut Job) {
 }
 
 fn report_collisions(partition: &Partition, job: &mut Job) {
-    let total: f64 = partition.collisions.iter().map(|c| c.volume_mm3).sum();
+    let total = partition.collisions.iter().fold(0.0, |sum, c| sum + c.volume_mm3);
     job.metric("sweep.collisions", partition.collisions.len() as f64, "1");
     job.metric("sweep.collision_volume_mm3", total, "mm3");
     for c in &partition.collisions {
