@@ -45,7 +45,8 @@ struct Params {
     /// How much any wall may fall short of what is asked.
     #[schemars(range(min = 0.0, max = 1.0), extend("unit" = "mm"))]
     wall_tolerance_mm: f64,
-    /// Cladding and black are not judged this near to either end of a fibre, where they stop.
+    /// Cladding and black are not judged this near to either end of a fibre, where they stop: the straight leg of 2.5 mm, the
+    /// outer radius and the skin, as in verify-clearance.
     #[schemars(range(min = 0.0, max = 50.0), extend("unit" = "mm"))]
     end_zone_mm: f64,
 }
@@ -59,7 +60,7 @@ impl Default for Params {
             max_gap_mm3: 0.1,
             min_layer_mm: 0.5,
             wall_tolerance_mm: 0.01,
-            end_zone_mm: 3.0,
+            end_zone_mm: 4.8,
         }
     }
 }
