@@ -9,11 +9,15 @@ use spade::{DelaunayTriangulation, Point2, Triangulation};
 /// finite, have no neighbours; of points in one place only the first takes part.
 pub fn clockwise_neighbours(points: &[DVec2]) -> Vec<Vec<usize>> {
     let mut triangulation: DelaunayTriangulation<Tagged> = DelaunayTriangulation::new();
-    for (index, point) in points.iter().enumerate() {
+    for (index, point) in points.iter().enumerate().filter(|(_, point)| point.is_finite()) {
         let tagged = Tagged { at: Point2::new(point.x, point.y), index };
-        if point.is_finite() && triangulation.locate_vertex(tagged.at).is_none() {
-            // Refused only for coordinates beyond spade's range: such a point has no neighbours either.
-            let _ = triangulation.insert(tagged);
+        let before = triangulation.num_vertices();
+        // Refused only for coordinates beyond spade's range: such a point has no neighbours either.
+        let Ok(vertex) = triangulation.insert(tagged) else { continue };
+        if triangulation.num_vertices() == before {
+            // A twin has taken the place of the first, which alone takes part.
+            let first = points.iter().position(|p| p == point).expect("the point itself at the latest");
+            triangulation.vertex_data_mut(vertex).index = first;
         }
     }
     let mut neighbours = vec![Vec::new(); points.len()];
@@ -27,12 +31,14 @@ pub fn clockwise_neighbours(points: &[DVec2]) -> Vec<Vec<usize>> {
 
 /// Sorts by the angle at `centre`, clockwise from straight up, of directions in an image whose y points down.
 fn sort_clockwise(neighbours: &mut [usize], centre: DVec2, points: &[DVec2]) {
-    let clock = |index: &usize| {
-        let arm = points[*index] - centre;
+    let clock = |index: usize| {
+        let arm = points[index] - centre;
         let angle = libm::atan2(arm.x, -arm.y);
         if angle < 0.0 { angle + std::f64::consts::TAU } else { angle }
     };
-    neighbours.sort_by(|a, b| clock(a).total_cmp(&clock(b)).then(a.cmp(b)));
+    let mut timed: Vec<(f64, usize)> = neighbours.iter().map(|&index| (clock(index), index)).collect();
+    timed.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    neighbours.iter_mut().zip(timed).for_each(|(place, (_, index))| *place = index);
 }
 
 struct Tagged {

@@ -32,7 +32,7 @@ fn led_at(z: f64) -> Sockets {
 }
 
 fn params(change: impl Fn(&mut Params)) -> Params {
-    let mut params = Params { samples: 3000, frequency: 2, ..Params::default() };
+    let mut params = Params { samples: 3000, frequency: 2, spacing_mm: 16.0, ..Params::default() };
     change(&mut params);
     params
 }

@@ -1,0 +1,136 @@
+//! Levenshtein distance from one sequence to many, bit-parallel (Myers 1999, in Hyyrö's form for whole sequences).
+//!
+//! The same numbers as `fibar_core::recognition::sequence_distance`, an order of magnitude sooner.
+
+/// More symbols than this do not occur: patterns are numbered from 1 to 15.
+pub const SYMBOLS: usize = 16;
+
+/// A sequence prepared for comparison.
+#[derive(Clone, Debug)]
+pub struct Needle {
+    sequence: Vec<u8>,
+    counts: Counts,
+    /// For every symbol, the places where it occurs, one bit each; unused by sequences of more than 64.
+    places: [u64; SYMBOLS],
+}
+
+/// How often each symbol occurs in a sequence, up to 255 times.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counts([u8; SYMBOLS]);
+
+impl Counts {
+    /// Counts the symbols, all below [`SYMBOLS`].
+    pub fn of(sequence: &[u8]) -> Counts {
+        let mut counts = [0u8; SYMBOLS];
+        for &symbol in sequence {
+            let count = &mut counts[usize::from(symbol)];
+            *count = count.saturating_add(1);
+        }
+        Counts(counts)
+    }
+
+    /// Bag distance: every edit mends one missing and one superfluous symbol at most, so no Levenshtein distance is less.
+    fn bag_distance(&self, other: &Counts) -> u32 {
+        let excess = |a: &Counts, b: &Counts| -> u32 {
+            std::iter::zip(a.0, b.0).map(|(a, b)| u32::from(a.saturating_sub(b))).sum()
+        };
+        excess(self, other).max(excess(other, self))
+    }
+}
+
+impl Needle {
+    /// Prepares a sequence of symbols below [`SYMBOLS`].
+    pub fn new(sequence: &[u8]) -> Needle {
+        let mut places = [0; SYMBOLS];
+        for (k, &symbol) in sequence.iter().take(64).enumerate() {
+            places[usize::from(symbol)] |= 1 << k;
+        }
+        Needle { sequence: sequence.to_vec(), counts: Counts::of(sequence), places }
+    }
+
+    /// The sequence itself.
+    pub fn sequence(&self) -> &[u8] {
+        &self.sequence
+    }
+
+    /// Least number of insertions, deletions and substitutions that make one sequence of the other.
+    pub fn distance(&self, other: &[u8]) -> u32 {
+        self.distance_below(other, u32::MAX).expect("no limit was set")
+    }
+
+    /// The distance to a sequence with these counts of symbols if it is less than a limit; the counts alone often tell.
+    pub fn distance_if_nearer(&self, other: &[u8], counts: &Counts, limit: u32) -> Option<u32> {
+        if self.counts.bag_distance(counts) < limit { self.distance_below(other, limit) } else { None }
+    }
+
+    /// The distance if it is less than a limit.
+    fn distance_below(&self, other: &[u8], limit: u32) -> Option<u32> {
+        let distance = match self.sequence.len() {
+            0 => other.len() as u32,
+            1..=64 => return self.bit_parallel_distance(other, limit),
+            _ => strsim::generic_levenshtein(&Symbols(&self.sequence), &Symbols(other)) as u32,
+        };
+        (distance < limit).then_some(distance)
+    }
+
+    /// One column of the table of distances at a time, as bit vectors of its vertical steps up (`rises`) and down (`falls`).
+    fn bit_parallel_distance(&self, other: &[u8], limit: u32) -> Option<u32> {
+        let last = self.sequence.len() - 1;
+        let (mut rises, mut falls) = (u64::MAX, 0u64);
+        let mut distance = self.sequence.len() as u32;
+        for (&symbol, rest) in other.iter().zip((0..other.len() as u32).rev()) {
+            let equal = self.places[usize::from(symbol)];
+            let diagonal = ((equal & rises).wrapping_add(rises) ^ rises) | equal;
+            let vertical = equal | falls;
+            let up = falls | !(diagonal | rises);
+            let down = rises & diagonal;
+            distance += (up >> last & 1) as u32;
+            distance -= (down >> last & 1) as u32;
+            // Each symbol to come takes one off at most.
+            if distance.saturating_sub(rest) >= limit {
+                return None;
+            }
+            let up = up << 1 | 1;
+            rises = down << 1 | !(vertical | up);
+            falls = up & vertical;
+        }
+        (distance < limit).then_some(distance)
+    }
+}
+
+struct Symbols<'a>(&'a [u8]);
+
+impl<'a> IntoIterator for &Symbols<'a> {
+    type Item = &'a u8;
+    type IntoIter = std::slice::Iter<'a, u8>;
+    fn into_iter(self) -> Self::IntoIter {
+        self.0.iter()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use fibar_core::PatternId;
+    use fibar_core::recognition::sequence_distance;
+    use rand::{RngExt, SeedableRng};
+
+    #[test]
+    fn distances_are_those_of_the_recogniser() {
+        let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(2);
+        let ids = |s: &[u8]| s.iter().map(|&x| PatternId(u32::from(x))).collect::<Vec<_>>();
+        for round in 0..3000 {
+            let longest = if round % 10 == 0 { 70 } else { 9 };
+            let mut sequence = || {
+                let length = rng.random_range(0..=longest);
+                (0..length).map(|_| rng.random_range(1..=7)).collect::<Vec<u8>>()
+            };
+            let (a, b) = (sequence(), sequence());
+            assert_eq!(
+                Needle::new(&a).distance(&b) as usize,
+                sequence_distance(&ids(&a), &ids(&b)),
+                "{a:?} {b:?}"
+            );
+        }
+    }
+}

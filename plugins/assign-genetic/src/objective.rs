@@ -1,0 +1,302 @@
+//! The paper's objective, `Σ_v E_rcg(v) · E_mseq(v)` (Tone 2020, "Marker placement"), re-evaluated where it changes.
+//!
+//! A chromosome is evaluated as a change of another one. Its cost follows the change: an image is triangulated anew when a
+//! marker in it appears or disappears, a table entry is made anew when a pattern around it changes, and a name is looked
+//! up anew when an entry that it could be mistaken for changes. All sums over views are of whole numbers, so the result
+//! does not depend on the way it was reached, to the bit.
+
+use crate::image::Images;
+use crate::levenshtein::{Counts, Needle, SYMBOLS};
+use crate::topology::Topology;
+use std::sync::Arc;
+
+/// The objective's constants.
+#[derive(Clone, Debug)]
+pub struct Rules {
+    k1: f64,
+    /// `g(n)` for `n` up to `k2`.
+    gains: Vec<f64>,
+}
+
+impl Rules {
+    /// `k1`, `k2`, and `g(x) = √x + 1`.
+    pub fn new(k1: f64, k2: u32) -> Rules {
+        Rules { k1, gains: (0..=k2).map(|n| f64::from(n).sqrt() + 1.0).collect() }
+    }
+
+    /// `E_mseq` of a view with `count` m-sequence markers.
+    fn gain(&self, count: u32) -> f64 {
+        self.gains[(count as usize).min(self.gains.len() - 1)]
+    }
+}
+
+/// A chromosome with all that its evaluation found.
+#[derive(Clone)]
+pub struct Evaluated {
+    /// The chromosome: the pattern of each site, 0 for a site without marker.
+    pub genes: Vec<u8>,
+    /// `Σ_v E_rcg(v) · E_mseq(v)`.
+    pub objective: f64,
+    topology: Arc<Topology>,
+    table: Vec<Option<Arc<Needle>>>,
+    verdicts: Vec<Arc<Vec<Verdict>>>,
+}
+
+/// How the lookup of one sighting ends.
+#[derive(Clone, Copy)]
+struct Verdict {
+    /// Levenshtein distance to the marker's own table entry.
+    distance: u32,
+    /// Distance and site of the nearest other entry of the same pattern, the first of equals.
+    rival: Option<(u32, u32)>,
+}
+
+impl Verdict {
+    /// The lookup finds the marker if no rival is nearer, or as near and earlier in the table.
+    fn is_right(&self, site: usize) -> bool {
+        self.rival.is_none_or(|rival| (self.distance, site as u32) < rival)
+    }
+}
+
+/// What the lookup says about one view.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Tally {
+    /// Markers named rightly.
+    pub right: u32,
+    /// Markers named wrongly.
+    pub wrong: u32,
+    /// Sum of the Levenshtein distances of the rightly named ones.
+    pub distance: u32,
+    /// m-sequence markers, `n_mseq(v)`.
+    pub m_sequence: u32,
+}
+
+impl Evaluated {
+    /// The chromosome without markers, from which every other one can be reached.
+    pub fn blank(images: &Images) -> Evaluated {
+        let count = images.sites.len();
+        Evaluated {
+            genes: vec![0; count],
+            objective: 0.0,
+            topology: Arc::new(Topology::blank(images)),
+            table: vec![None; count],
+            verdicts: vec![Arc::default(); count],
+        }
+    }
+
+    /// The stored sequence of a marker, `**u**_ptn(p_m)`; `None` without a marker.
+    pub fn table_entry(&self, site: usize) -> Option<&[u8]> {
+        self.table[site].as_ref().map(|needle| needle.sequence())
+    }
+
+    /// Evaluates another chromosome from this one.
+    pub fn changed_to(&self, genes: Vec<u8>, images: &Images, rules: &Rules) -> Evaluated {
+        let active: Vec<bool> = genes.iter().map(|&g| g != 0).collect();
+        let topology = self.topology.with_active(images, &active);
+        let mut next = Evaluated { genes, topology, ..self.clone() };
+        let mut change = Change::between(self, &next);
+        for site in 0..next.genes.len() {
+            if change.may_read_differently(self, &next, site) {
+                next.table[site] = next.make_entry(site);
+                change.relisted[site] =
+                    change.changed[site] || next.table_entry(site) != self.table_entry(site);
+            }
+        }
+        let patterns = Patterns::new(self, &next, &change);
+        for site in 0..next.genes.len() {
+            if change.may_read_differently(self, &next, site) || patterns.is_disturbed(next.genes[site]) {
+                next.verdicts[site] = Arc::new(next.judge(site, self, &change, &patterns));
+            }
+        }
+        next.objective = next.tallies(images).iter().map(|t| t.value(rules)).sum();
+        next
+    }
+
+    /// For every view, what the lookup says.
+    pub fn tallies(&self, images: &Images) -> Vec<Tally> {
+        let mut tallies = vec![Tally::default(); images.views.len()];
+        for (site, verdicts) in self.verdicts.iter().enumerate() {
+            for (views, verdict) in
+                std::iter::zip(self.topology.sightings(site).views.iter(), verdicts.iter())
+            {
+                let one = Tally::of(verdict, site, self.genes[site]);
+                views.iter().for_each(|&view| tallies[view as usize].add(one));
+            }
+        }
+        tallies
+    }
+
+    /// The sequence that most views see of a marker; of equals the first in order, as `recognition::most_frequent` has it.
+    fn make_entry(&self, site: usize) -> Option<Arc<Needle>> {
+        let sightings = self.topology.sightings(site);
+        let symbols: Vec<u8> = sightings.rings.items().iter().map(|&k| self.genes[k as usize]).collect();
+        let mut rest = symbols.as_slice();
+        let read = |(ring, views): (&[u32], &[u32])| {
+            let (sequence, others) = rest.split_at(ring.len());
+            rest = others;
+            (leading_symbols(sequence), sequence, views.len())
+        };
+        let mut counted: Vec<(u64, &[u8], usize)> =
+            std::iter::zip(sightings.rings.iter(), sightings.views.iter()).map(read).collect();
+        counted.sort_unstable();
+        let votes = |same: &&[(u64, &[u8], usize)]| same.iter().map(|(.., count)| count).sum::<usize>();
+        // `max_by_key` takes the last of equals: walk backwards to get the first.
+        let best = counted.chunk_by(|a, b| a.1 == b.1).rev().max_by_key(votes)?;
+        Some(Arc::new(Needle::new(best[0].1)))
+    }
+
+    /// Looks up every sighting of a marker: in the whole table where it reads differently than before, and among the
+    /// entries that are not as before where it reads the same.
+    fn judge(&self, site: usize, before: &Evaluated, change: &Change, patterns: &Patterns) -> Vec<Verdict> {
+        let Some(own) = &self.table[site] else { return Vec::new() };
+        let (members, disturbed) = patterns.rivals(self.genes[site]);
+        let afresh = change.changed[site] || !change.has_same_sightings(before, self, site);
+        let mut sequence = Vec::new();
+        let judge = |(k, ring): (usize, &[u32])| {
+            let same = !afresh && !ring.iter().any(|&neighbour| change.changed[neighbour as usize]);
+            let known = same.then(|| before.verdicts[site][k]);
+            let (rivals, best) = match known.map(|v| v.rival) {
+                Some(Some((_, rival))) if change.relisted[rival as usize] => (members, None),
+                Some(rival) => (disturbed, rival),
+                None => (members, None),
+            };
+            let known_distance = known.filter(|_| !change.relisted[site]).map(|v| v.distance);
+            if let (Some(distance), []) = (known_distance, rivals) {
+                return Verdict { distance, rival: best };
+            }
+            sequence.clear();
+            sequence.extend(ring.iter().map(|&neighbour| self.genes[neighbour as usize]));
+            Verdict {
+                distance: known_distance.unwrap_or_else(|| own.distance(&sequence)),
+                rival: self.nearest_rival(site, &sequence, rivals, best),
+            }
+        };
+        self.topology.sightings(site).rings.iter().enumerate().map(judge).collect()
+    }
+
+    /// Distance and site of the nearest entry among `rivals`, where nearer than `best` or as near and earlier.
+    fn nearest_rival(
+        &self,
+        site: usize,
+        sequence: &[u8],
+        rivals: &[u32],
+        mut best: Option<(u32, u32)>,
+    ) -> Option<(u32, u32)> {
+        let counts = Counts::of(sequence);
+        for &rival in rivals.iter().filter(|&&k| k as usize != site) {
+            let entry = self.table[rival as usize].as_ref().expect("rivals are markers that are seen");
+            let limit = best.map_or(u32::MAX, |(distance, first)| distance + u32::from(rival < first));
+            if let Some(distance) = entry.distance_if_nearer(sequence, &counts, limit) {
+                best = Some((distance, rival));
+            }
+        }
+        best
+    }
+}
+
+/// What differs between two evaluations.
+struct Change {
+    /// Sites of another gene.
+    changed: Vec<bool>,
+    /// Sites of another gene or table entry.
+    relisted: Vec<bool>,
+}
+
+impl Change {
+    /// Compares the genes; the table is compared as it is made.
+    fn between(before: &Evaluated, after: &Evaluated) -> Change {
+        let changed: Vec<bool> = std::iter::zip(&before.genes, &after.genes).map(|(a, b)| a != b).collect();
+        Change { relisted: vec![false; changed.len()], changed }
+    }
+
+    fn has_same_sightings(&self, before: &Evaluated, after: &Evaluated, site: usize) -> bool {
+        Arc::ptr_eq(before.topology.sightings(site), after.topology.sightings(site))
+    }
+
+    /// Whether any sequence seen of a site, its own pattern included, may not be as before.
+    fn may_read_differently(&self, before: &Evaluated, after: &Evaluated, site: usize) -> bool {
+        let around = &after.topology.sightings(site).around;
+        self.changed[site]
+            || !self.has_same_sightings(before, after, site)
+            || around.iter().any(|&neighbour| self.changed[neighbour as usize])
+    }
+}
+
+/// The first sixteen symbols as one number, in the order of the sequences: what sorting looks at before the sequences.
+fn leading_symbols(sequence: &[u8]) -> u64 {
+    (0..16).fold(0, |number, k| number << 4 | u64::from(sequence.get(k).copied().unwrap_or(0)))
+}
+
+/// Markers by pattern.
+struct Patterns {
+    /// All of them, rising.
+    members: Vec<Vec<u32>>,
+    /// Those whose table entry is not as before, rising.
+    relisted: Vec<Vec<u32>>,
+    /// Whether a pattern gained, lost or changed an entry.
+    disturbed: Vec<bool>,
+}
+
+impl Patterns {
+    fn new(before: &Evaluated, after: &Evaluated, change: &Change) -> Patterns {
+        let mut patterns = Patterns {
+            members: vec![Vec::new(); SYMBOLS],
+            relisted: vec![Vec::new(); SYMBOLS],
+            disturbed: vec![false; SYMBOLS],
+        };
+        for (site, &gene) in after.genes.iter().enumerate() {
+            let pattern = usize::from(gene);
+            patterns.members[pattern].push(site as u32);
+            if change.relisted[site] {
+                patterns.relisted[pattern].push(site as u32);
+                patterns.disturbed[pattern] = true;
+                patterns.disturbed[usize::from(before.genes[site])] = true;
+            }
+        }
+        patterns
+    }
+
+    /// Whether the lookup of an unchanged marker of this pattern may end otherwise than before; never of no marker.
+    fn is_disturbed(&self, gene: u8) -> bool {
+        gene != 0 && self.disturbed[usize::from(gene)]
+    }
+
+    /// All markers of a pattern, and those whose entry is not as before.
+    fn rivals(&self, gene: u8) -> (&[u32], &[u32]) {
+        (&self.members[usize::from(gene)], &self.relisted[usize::from(gene)])
+    }
+}
+
+impl Tally {
+    /// One marker.
+    fn of(verdict: &Verdict, site: usize, gene: u8) -> Tally {
+        let right = u32::from(verdict.is_right(site));
+        Tally {
+            right,
+            wrong: 1 - right,
+            distance: verdict.distance * right,
+            m_sequence: u32::from(u32::from(gene) == fibar_core::PatternId::M_SEQUENCE.0),
+        }
+    }
+
+    fn add(&mut self, other: Tally) {
+        self.right += other.right;
+        self.wrong += other.wrong;
+        self.distance += other.distance;
+        self.m_sequence += other.m_sequence;
+    }
+
+    /// `E_rcg(v) · E_mseq(v)`.
+    fn value(&self, rules: &Rules) -> f64 {
+        self.recognition(rules) * rules.gain(self.m_sequence)
+    }
+
+    /// `E_rcg(v)`: `k1 − distance` for every right name, `−k1` for every wrong one.
+    fn recognition(&self, rules: &Rules) -> f64 {
+        let balance = f64::from(self.right) - f64::from(self.wrong);
+        rules.k1 * balance - f64::from(self.distance)
+    }
+}
+
+#[cfg(test)]
+mod tests;
