@@ -117,7 +117,7 @@ fn report_collisions(partition: &Partition, job: &mut Job) {
     for c in &partition.collisions {
         let place = format!("({:.1}, {:.1}, {:.1})", c.place_mm.x, c.place_mm.y, c.place_mm.z);
         let message = format!(
-            "fibres of patterns {} and {} overlap by {:.2} mm³ around {place} mm; pattern {} keeps the place",
+            "fibres of patterns {} and {} overlap by {:.4} mm³ around {place} mm; pattern {} keeps the place",
             c.winner, c.loser, c.volume_mm3, c.winner
         );
         job.log("warn", &message);
