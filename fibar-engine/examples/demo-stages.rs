@@ -143,12 +143,60 @@ impl Stage for VerifyText {
     }
 }
 
+#[derive(serde::Deserialize, schemars::JsonSchema, Default)]
+#[serde(deny_unknown_fields, default)]
+struct PassParams {
+    /// How long it takes.
+    #[schemars(extend("unit" = "s"))]
+    seconds: f64,
+    /// What it adds to the text.
+    word: String,
+}
+
+/// Text → longer text, after some work: a link of a chain.
+struct PassText;
+
+impl Stage for PassText {
+    type Params = PassParams;
+
+    fn describe() -> Description {
+        let about = Description::new("pass-text", "Adds a word and passes it on.").max_cores(1);
+        about.input("text", "text", "What to pass on.").output("text", "text", "The same and a word.")
+    }
+
+    fn run(params: PassParams, job: &mut Job) -> Result<(), StageError> {
+        std::thread::sleep(Duration::from_secs_f64(params.seconds));
+        let mut text = job.read("text")?;
+        text.extend(params.word.bytes());
+        job.write("text", "text.txt", &text)
+    }
+}
+
+/// Text → JSON that depends on the number of threads, which no stage may do.
+struct LeakText;
+
+impl Stage for LeakText {
+    type Params = NoParams;
+
+    fn describe() -> Description {
+        let about = Description::new("leak-text", "Says on how many threads it runs.");
+        about.input("text", "text", "Ignored.").published("leak", "leak", "leak.json", "What it ran on.")
+    }
+
+    fn run(_: NoParams, job: &mut Job) -> Result<(), StageError> {
+        let text = format!("{{\"format\": \"leak/1\", \"ran\": {{\"threads\": {}}}}}", job.threads());
+        job.write("leak", "leak.json", text.as_bytes())
+    }
+}
+
 fn main() -> std::process::ExitCode {
     let executable = std::env::current_exe().expect("Linux and macOS know it");
     match executable.file_stem().and_then(|name| name.to_str()) {
         Some("make-text") => serve::<MakeText>(),
         Some("upper-text") => serve::<UpperText>(),
         Some("bind-text") => serve::<BindText>(),
+        Some("pass-text") => serve::<PassText>(),
+        Some("leak-text") => serve::<LeakText>(),
         Some("verify-text") => serve::<VerifyText>(),
         other => panic!("no stage is called {other:?}"),
     }

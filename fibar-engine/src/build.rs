@@ -7,13 +7,13 @@ mod schedule;
 
 pub use budget::Budget;
 pub use observer::{Event, Observer, Outcome, Silent, StageName};
-pub use schedule::{Finished, predict, resolve_inputs};
+pub use schedule::{Finished, predict, predict_all, resolve_inputs};
 
 use crate::host::Sandbox;
 use crate::ledger::{self, BuildReport};
-use crate::plan::Plan;
+use crate::plan::{Plan, PlanOptions};
 use crate::plugin::PluginPath;
-use crate::recipe::Override;
+use crate::recipe::{Matrix, Override};
 use crate::store::Rot;
 use crate::{Error, Result, Store};
 use std::path::PathBuf;
@@ -23,6 +23,7 @@ use std::time::Instant;
 const MAX_ROT: usize = 16;
 
 /// What a build needs to know beside the recipes.
+#[derive(Clone)]
 pub struct BuildOptions<'a> {
     /// Where artefacts are kept.
     pub store: &'a Store,
@@ -30,6 +31,10 @@ pub struct BuildOptions<'a> {
     pub plugins: &'a PluginPath,
     /// Values replaced from the command line.
     pub overrides: &'a [Override],
+    /// Whether `[matrix]` counts.
+    pub matrix: Matrix,
+    /// Whether the result must be what the lock file in the build folder says.
+    pub locking: Locking,
     /// Cores and memory to use.
     pub budget: Budget,
     /// Build folders are made in here.
@@ -57,6 +62,16 @@ pub enum Waivers {
     Ignore,
 }
 
+/// What the lock file of an earlier build means.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Locking {
+    /// Nothing; it is written anew.
+    #[default]
+    Update,
+    /// A build that would come to anything else fails and publishes nothing.
+    Require,
+}
+
 /// Plans all recipes and builds them together; nothing is run unless all make sense.
 pub fn build(recipes: &[PathBuf], options: &BuildOptions<'_>) -> Result<Vec<BuildReport>> {
     let plans = plan_all(recipes, options)?;
@@ -65,11 +80,17 @@ pub fn build(recipes: &[PathBuf], options: &BuildOptions<'_>) -> Result<Vec<Buil
 
 /// Plans all recipes, or reports what is wrong with any of them.
 pub fn plan_all(recipes: &[PathBuf], options: &BuildOptions<'_>) -> Result<Vec<Plan>> {
+    let plan_options = PlanOptions {
+        plugins: options.plugins,
+        store: options.store,
+        overrides: options.overrides,
+        matrix: options.matrix,
+    };
     let mut plans = Vec::new();
     let mut failed: Option<Error> = None;
     for recipe in recipes {
-        match Plan::make(recipe, options.overrides, options.plugins, options.store) {
-            Ok(plan) => plans.push(plan),
+        match Plan::make(recipe, &plan_options) {
+            Ok(variants) => plans.extend(variants),
             Err(error) => match &mut failed {
                 Some(failed) => {
                     failed.class = failed.class.min(error.class);
@@ -83,29 +104,39 @@ pub fn plan_all(recipes: &[PathBuf], options: &BuildOptions<'_>) -> Result<Vec<P
     failed.map_or(Ok(plans), Err)
 }
 
-/// Builds plans; an artefact found damaged is rebuilt.
+/// Builds plans and publishes what comes out; an artefact found damaged is rebuilt.
 pub fn build_plans(plans: &[Plan], options: &BuildOptions<'_>) -> Result<Vec<BuildReport>> {
     let started = Instant::now();
-    let _running = options.store.register()?;
-    for _ in 0..MAX_ROT {
-        match attempt(plans, options, started) {
-            Err(Rot::Rebuild(digest)) => options.observer.event(&Event::Rebuilding { digest }),
-            Err(Rot::Other(error)) => return Err(error),
-            Ok(reports) => return Ok(reports),
-        }
+    for plan in plans {
+        ledger::check_locked_plugins(plan, options)?;
     }
-    attempt(plans, options, started).map_err(Rot::into_error)
+    mending_rot(options, || {
+        let finished = schedule::run(plans, options)?;
+        let reports = plans.iter().zip(&finished);
+        reports.map(|(plan, finished)| ledger::publish(plan, finished, options, started)).collect()
+    })
 }
 
-fn attempt(
-    plans: &[Plan],
+/// Builds plans into the store only: the results per stage, in the order of each plan.
+pub fn run_plans(plans: &[Plan], options: &BuildOptions<'_>) -> Result<Vec<Vec<Finished>>> {
+    mending_rot(options, || schedule::run(plans, options))
+}
+
+fn mending_rot<T>(
     options: &BuildOptions<'_>,
-    started: Instant,
-) -> std::result::Result<Vec<BuildReport>, Rot> {
-    let finished = schedule::run(plans, options)?;
-    let reports = plans.iter().zip(&finished);
-    let reports = reports.map(|(plan, finished)| ledger::publish(plan, finished, options, started)).collect();
-    options.store.stats.save();
-    options.store.sync()?;
-    reports
+    attempt: impl Fn() -> std::result::Result<T, Rot>,
+) -> Result<T> {
+    let _running = options.store.register()?;
+    for _ in 0..MAX_ROT {
+        match attempt() {
+            Err(Rot::Rebuild(digest)) => options.observer.event(&Event::Rebuilding { digest }),
+            Err(Rot::Other(error)) => return Err(error),
+            Ok(result) => {
+                options.store.stats.save();
+                options.store.sync()?;
+                return Ok(result);
+            }
+        }
+    }
+    attempt().map_err(Rot::into_error)
 }

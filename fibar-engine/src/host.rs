@@ -42,6 +42,37 @@ impl Default for Limits {
 
 /// Asks a plugin to describe itself.
 pub fn describe(executable: &Path, store: &Store, limits: &Limits) -> Result<Description> {
+    in_session(executable, store, limits, |session| {
+        greet(session, limits)?;
+        session.send(&HostMessage::Describe {});
+        match session.hear_until(Instant::now() + limits.start) {
+            Heard::Message(PluginMessage::Description(description)) => Ok(*description),
+            other => Err(other.complaint("a description")),
+        }
+    })
+}
+
+/// Whether a plugin hangs up on a host of another version.
+pub(crate) fn greet_as(executable: &Path, store: &Store, protocol: u32) -> Result<bool> {
+    let limits = Limits::default();
+    in_session(executable, store, &limits, |session| {
+        session.send(&HostMessage::Hello(Hello { protocol, ..Hello::new("fibar of another time") }));
+        session.send(&HostMessage::Describe {});
+        match session.hear_until(Instant::now() + limits.start) {
+            Heard::Message(PluginMessage::Hello(_)) => {}
+            other => return Err(other.complaint("hello")),
+        }
+        Ok(matches!(session.hear_until(Instant::now() + limits.exit), Heard::Closed))
+    })
+}
+
+/// A session that is no run, in an empty folder.
+fn in_session<T>(
+    executable: &Path,
+    store: &Store,
+    limits: &Limits,
+    talk: impl FnOnce(&mut Session) -> std::result::Result<T, String>,
+) -> Result<T> {
     let fault = |message: String| {
         let message = format!("{} does not describe itself: {message}", executable.display());
         Error::new(Class::Plugin, Diagnostic::error(message).hint("is it a plugin of this version of fibar?"))
@@ -58,13 +89,7 @@ pub fn describe(executable: &Path, store: &Store, limits: &Limits) -> Result<Des
     };
     let command = launch.command().map_err(|e| fault(e.to_string()))?;
     let mut session = Session::start(command).map_err(|e| fault(e.to_string()))?;
-    let result = greet(&mut session, limits).and_then(|()| {
-        session.send(&HostMessage::Describe {});
-        match session.hear_until(Instant::now() + limits.start) {
-            Heard::Message(PluginMessage::Description(description)) => Ok(*description),
-            other => Err(other.complaint("a description")),
-        }
-    });
+    let result = talk(&mut session);
     session.end(limits.exit);
     result.map_err(fault)
 }

@@ -1,18 +1,21 @@
 //! The build folder: what came out, where, how good, and how long it took.
 //!
 //! Published outputs are copies under the names their stages gave them; beside them `metrics.json` (sorted, no times),
-//! `timings.json` (all times), `fibar.lock` (what made what), and `UNVERIFIED` while a broken rule is not allowed.
+//! `timings.json` and `trace.json` (all times), `fibar.lock` (what made what),
+//! `provenance.json` (the same for auditors), and `UNVERIFIED` while a broken rule is not allowed.
 
 mod files;
 mod lock;
 mod metrics;
+mod provenance;
 mod report;
 mod timings;
+mod trace;
 
 pub(crate) use lock::keys_of;
 pub use report::{BuildReport, FoundViolation, PublishedFile, StageReport};
 
-use crate::build::{BuildOptions, Finished, Waivers};
+use crate::build::{BuildOptions, Finished, Locking, Waivers};
 use crate::error::IoContext;
 use crate::plan::Plan;
 use crate::store::Rot;
@@ -23,7 +26,8 @@ use std::time::Instant;
 pub const UNVERIFIED: &str = "UNVERIFIED";
 
 /// Names in a build folder that no stage may publish under.
-const RESERVED: [&str; 4] = ["metrics.json", "timings.json", "fibar.lock", UNVERIFIED];
+const RESERVED: [&str; 6] =
+    ["metrics.json", "timings.json", "trace.json", "fibar.lock", "provenance.json", UNVERIFIED];
 
 /// Publishes a finished plan to its build folder.
 pub(crate) fn publish(
@@ -32,7 +36,12 @@ pub(crate) fn publish(
     options: &BuildOptions<'_>,
     started: Instant,
 ) -> Result<BuildReport, Rot> {
+    let wanted = files::wanted(plan, finished)?;
     let folder = options.out.join(&plan.name);
+    let lock_text = lock::text(plan, finished, &wanted);
+    if options.locking == Locking::Require {
+        lock::require(&folder.join("fibar.lock"), &lock_text)?;
+    }
     std::fs::create_dir_all(&folder).context("make the build folder", &folder)?;
     let folder = BuildFolder::new(folder, options.store);
     let violations = violations(plan, finished, options.waivers);
@@ -40,11 +49,11 @@ pub(crate) fn publish(
     if !broken.is_empty() {
         folder.write(UNVERIFIED, report::unverified_text(&broken).as_bytes())?;
     }
-    let wanted = files::wanted(plan, finished)?;
     let previous = lock::outputs_of(&folder.read("fibar.lock"));
     let files = folder.publish(&wanted)?;
     folder.write("metrics.json", metrics::text(plan, finished).as_bytes())?;
-    folder.write("fibar.lock", lock::text(plan, finished, &files).as_bytes())?;
+    folder.write("provenance.json", provenance::text(plan, finished, &files, options.store)?.as_bytes())?;
+    folder.write("fibar.lock", lock_text.as_bytes())?;
     options.store.pin(&folder.path().join("fibar.lock"))?;
     folder.remove_stale(&previous, &files);
     if broken.is_empty() {
@@ -52,6 +61,7 @@ pub(crate) fn publish(
     }
     let stages = report::stages(plan, finished);
     let total = started.elapsed().as_secs_f64();
+    folder.write_unsynced("trace.json", trace::text(plan, finished).as_bytes())?;
     folder.write_unsynced("timings.json", timings::text(plan, finished, total).as_bytes())?;
     Ok(BuildReport {
         name: plan.name.clone(),
@@ -61,6 +71,14 @@ pub(crate) fn publish(
         violations,
         total,
     })
+}
+
+/// Before anything runs: a locked build must have the stages and plugins of its lock.
+pub(crate) fn check_locked_plugins(plan: &Plan, options: &BuildOptions<'_>) -> crate::Result<()> {
+    match options.locking {
+        Locking::Update => Ok(()),
+        Locking::Require => lock::require_plugins(&options.out.join(&plan.name).join("fibar.lock"), plan),
+    }
 }
 
 fn violations(plan: &Plan, finished: &[Finished], waivers: Waivers) -> Vec<FoundViolation> {

@@ -10,6 +10,8 @@
 //! Unsafe code lives in [`os`] alone.
 
 pub mod build;
+pub mod conformance;
+pub mod determinism;
 pub mod explain;
 pub mod host;
 pub mod ledger;

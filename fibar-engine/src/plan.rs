@@ -9,7 +9,7 @@ pub use key::{InputDigests, Manifest};
 pub use wire::{Wire, WireSource};
 
 use crate::plugin::{Plugin, PluginPath};
-use crate::recipe::{Node, Override};
+use crate::recipe::{Matrix, Node, Override};
 use crate::{Digest, Result, Store};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
@@ -22,8 +22,34 @@ pub struct Plan {
     pub recipe: PathBuf,
     /// The name of the object and its build folder.
     pub name: String,
+    /// The texts it was read from: the recipe, then what it includes.
+    pub sources: Vec<PlanSource>,
+    /// Values replaced from outside, `stage.key=value`: by a variant of the matrix, then from the command line.
+    pub changes: Vec<String>,
     /// In an order in which every stage comes after the stages it takes inputs from.
     pub stages: Vec<PlannedStage>,
+}
+
+/// A text that a plan was read from.
+#[derive(Debug, Clone)]
+pub struct PlanSource {
+    /// The name of the file, without folders.
+    pub name: String,
+    /// Of its bytes.
+    pub digest: Digest,
+}
+
+/// What planning needs to know beside the recipe.
+#[derive(Clone, Copy)]
+pub struct PlanOptions<'a> {
+    /// Where plugins are found.
+    pub plugins: &'a PluginPath,
+    /// Where descriptions and digests are kept.
+    pub store: &'a Store,
+    /// Values replaced from the command line.
+    pub overrides: &'a [Override],
+    /// Whether `[matrix]` counts.
+    pub matrix: Matrix,
 }
 
 /// A stage that is ready to run once its inputs are there.
@@ -63,9 +89,9 @@ pub struct FileInput {
 }
 
 impl Plan {
-    /// Plans a recipe without running any stage.
-    pub fn make(recipe: &Path, overrides: &[Override], plugins: &PluginPath, store: &Store) -> Result<Plan> {
-        load::load(recipe, overrides, plugins, store)
+    /// Plans a recipe, or every variant of its matrix, without running any stage.
+    pub fn make(recipe: &Path, options: &PlanOptions<'_>) -> Result<Vec<Plan>> {
+        load::load(recipe, options)
     }
 
     /// The stage with an id.

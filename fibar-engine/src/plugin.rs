@@ -31,6 +31,12 @@ pub struct Plugin {
 }
 
 impl Plugin {
+    /// Whether an executable can be loaded without starting it.
+    pub(crate) fn is_described(name: &str, executable: &Path, store: &Store) -> bool {
+        let own = store.stats.digest_of(executable);
+        own.is_ok_and(|(own, _)| store.description_path(name, &own).exists())
+    }
+
     /// Describes an executable, from the store when these very bytes were described before.
     pub fn load(name: &str, executable: &Path, store: &Store) -> Result<Plugin> {
         let (own, _) = store.stats.digest_of(executable).context("read the plugin", executable)?;
@@ -81,7 +87,7 @@ fn whole_digest(
 }
 
 /// What every description has to get right, whoever wrote the plugin.
-fn check_description(name: &str, description: &Description) -> Result<()> {
+pub(crate) fn check_description(name: &str, description: &Description) -> Result<()> {
     let mut faults = Vec::new();
     if description.name != name {
         faults.push(format!("it calls itself `{}`", description.name));

@@ -2,10 +2,13 @@
 //!
 //! The only reader of recipe TOML. Every mistake is collected; none stops the reading.
 
+mod include;
+mod matrix;
 mod node;
 mod overrides;
 mod read;
 
+pub use matrix::Matrix;
 pub use node::{Entry, Node, NodeValue, Source};
 pub use overrides::Override;
 
@@ -22,8 +25,12 @@ pub const STAGE_KEYS: [&str; 5] = ["use", "id", "from", "seed", "allow"];
 pub struct Recipe {
     /// The file, as the user named it.
     pub path: PathBuf,
-    /// The name of the object and of its build folder.
+    /// The name of the object and of its build folder, with that of the variant.
     pub name: String,
+    /// The texts it was read from: the file, then what it includes.
+    pub sources: Vec<std::sync::Arc<Source>>,
+    /// Values replaced from outside, `stage.key=value`.
+    pub changes: Vec<String>,
     /// In the order of the file.
     pub stages: Vec<RecipeStage>,
 }
@@ -63,15 +70,15 @@ pub enum From {
 
 /// What was read and everything that was wrong with it.
 pub struct Reading {
-    /// The recipe, as far as it could be understood.
-    pub recipe: Recipe,
+    /// The recipe, as far as it could be understood: once, or once per variant of its matrix.
+    pub recipes: Vec<Recipe>,
     /// Mistakes, in no particular order.
     pub findings: Vec<fibar_core::diagnostic::Diagnostic>,
 }
 
 impl Recipe {
     /// Reads a recipe file, replaced values included.
-    pub fn read(path: &Path, overrides: &[Override]) -> crate::Result<Reading> {
-        read::read(path, overrides)
+    pub fn read(path: &Path, overrides: &[Override], matrix: Matrix) -> crate::Result<Reading> {
+        read::read(path, overrides, matrix)
     }
 }

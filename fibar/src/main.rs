@@ -2,6 +2,7 @@
 
 mod arguments;
 mod command;
+mod log;
 mod progress;
 mod table;
 
@@ -16,7 +17,9 @@ fn main() -> ExitCode {
     match run(&arguments) {
         Ok(code) => code,
         Err(error) => {
-            eprintln!("{}", error.render());
+            if !arguments.command.logs_json() {
+                eprintln!("{}", error.render());
+            }
             ExitCode::from(error.class as u8)
         }
     }
@@ -28,6 +31,10 @@ fn run(arguments: &Arguments) -> Result<ExitCode> {
         Command::Build(options) => command::build(options, common),
         Command::Verify(options) => command::verify(options, common),
         Command::Plan(options) => command::plan(options, common),
+        Command::Explain(options) => command::explain(options, common),
+        Command::CheckDeterminism(options) => command::check_determinism(options, common),
+        Command::Cache(command) => command::cache(command, common),
+        Command::Plugin(PluginCommand::Test(options)) => command::plugin_test(options, common),
         Command::Plugin(PluginCommand::List(options)) => command::plugin_list(options, common),
         Command::Plugin(PluginCommand::Describe { name }) => command::plugin_describe(name, common),
         Command::Plugin(PluginCommand::Required { recipes }) => command::plugin_required(recipes),

@@ -1,10 +1,14 @@
 //! Results as short tables on standard output.
 
 use fibar_core::protocol::Arity;
+use fibar_engine::Store;
 use fibar_engine::build::{Finished, Outcome};
+use fibar_engine::conformance::{Check, Verdict};
+use fibar_engine::determinism::Comparison;
 use fibar_engine::ledger::{BuildReport, FoundViolation};
 use fibar_engine::plan::Plan;
 use fibar_engine::plugin::Plugin;
+use fibar_engine::store::{Audit, Collected, Stats};
 use std::fmt::Write;
 
 /// How many violations of one rule are shown; the verdict files have them all.
@@ -26,7 +30,7 @@ pub fn build(report: &BuildReport) -> String {
         let name = if file.tree { format!("{}/", file.name) } else { file.name.clone() };
         let _ = writeln!(out, "  {name:<28} {:>10}  {}", size(file.size), file.digest.short());
     }
-    let _ = writeln!(out, "  metrics.json, timings.json, fibar.lock");
+    let _ = writeln!(out, "  metrics.json, timings.json, trace.json, fibar.lock, provenance.json");
     violations_into(&mut out, report);
     out
 }
@@ -76,6 +80,97 @@ fn violation_into(out: &mut String, found: &FoundViolation) {
         let _ = write!(out, " at ({x:.2}, {y:.2}, {z:.2}) mm");
     }
     out.push('\n');
+}
+
+/// What two builds of the same came to.
+pub fn determinism(comparison: &Comparison) -> String {
+    let name = &comparison.name;
+    let mut out = match &comparison.difference {
+        None => format!("{name}: {} outputs are the same, byte by byte\n", comparison.same),
+        Some(found) => {
+            let field = found.field.as_deref().unwrap_or("of an unknown form");
+            let [first, second] = &found.seen;
+            format!(
+                "{name}: `{}` gives another {}: byte {}, {field}\n  first:  {first}\n  second: {second}\n",
+                found.stage, found.artefact, found.byte
+            )
+        }
+    };
+    if !comparison.skipped.is_empty() {
+        let _ = writeln!(out, "  not compared, no such promise: {}", comparison.skipped.join(", "));
+    }
+    out
+}
+
+/// What collecting garbage did.
+pub fn collected(done: &Collected, max_size: u64) -> String {
+    let mut out = format!(
+        "freed {}: {} blobs of {} actions; swept {} leftovers; {} left\n",
+        size(done.freed),
+        done.blobs,
+        done.actions,
+        done.swept,
+        size(done.left)
+    );
+    if done.left > max_size {
+        let _ = writeln!(
+            out,
+            "  more than asked: build folders refer to {}, running builds may use the rest",
+            size(done.pinned)
+        );
+    }
+    out
+}
+
+/// What an audit of the store found.
+pub fn audit(audit: &Audit) -> String {
+    let mut out = format!(
+        "{} blobs, {}: {} damaged\n{} actions: {} unreadable, {} incomplete\n",
+        audit.blobs + audit.damaged.len(),
+        size(audit.bytes),
+        audit.damaged.len(),
+        audit.actions + audit.unreadable,
+        audit.unreadable,
+        audit.incomplete
+    );
+    for digest in &audit.damaged {
+        let _ = writeln!(out, "  quarantined {digest}");
+    }
+    out
+}
+
+/// How much there is.
+pub fn stats(store: &Store, stats: &Stats) -> String {
+    format!(
+        "{}\n  {} blobs, {}\n  {} actions that took {:.1} s to make\n  {} quarantined blobs, {} folders of runs\n",
+        store.root().display(),
+        stats.blobs,
+        size(stats.bytes),
+        stats.actions,
+        stats.seconds,
+        stats.quarantined,
+        stats.work
+    )
+}
+
+/// What the conformance kit saw.
+pub fn conformance(checks: &[Check]) -> String {
+    let mut out = String::new();
+    for check in checks {
+        let _ = match &check.verdict {
+            Verdict::Kept => writeln!(out, "  ok       {}", check.name),
+            Verdict::Broken(reason) => writeln!(out, "  BROKEN   {}: {reason}", check.name),
+            Verdict::Skipped(reason) => writeln!(out, "  skipped  {}: {reason}", check.name),
+        };
+    }
+    out
+}
+
+/// Many plans on one line: how much they share.
+pub fn plans(plans: &[Plan], found: &[Vec<Option<Finished>>]) -> String {
+    let stages: usize = plans.iter().map(|plan| plan.stages.len()).sum();
+    let hits = found.iter().flatten().filter(|found| found.is_some()).count();
+    format!("{} variants, {stages} stages, {hits} hits\n", plans.len())
 }
 
 /// Hit or miss per stage.

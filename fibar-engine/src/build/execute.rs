@@ -124,6 +124,9 @@ impl Execution<'_> {
         if let Some([x, y, z]) = failure.place_mm {
             finding = finding.note(format!("at ({x:.3}, {y:.3}, {z:.3}) mm"));
         }
+        if failure.kind == FailureKind::Resource {
+            finding = finding.note("finished stages are kept; the same command goes on from there");
+        }
         if let Some(hint) = &failure.hint {
             finding = finding.hint(hint.clone());
         }

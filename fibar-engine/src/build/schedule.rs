@@ -47,19 +47,34 @@ pub fn resolve_inputs(stage: &PlannedStage, finished: &[Option<Finished>]) -> Op
 
 /// What the store already has of a plan: per stage, its result, or `None` for a stage that would have to run.
 pub fn predict(plan: &Plan, store: &Store) -> Vec<Option<Finished>> {
+    predict_one(plan, store, &mut BTreeMap::new())
+}
+
+/// The same for several plans; an action that they share is looked up once.
+pub fn predict_all(plans: &[Plan], store: &Store) -> Vec<Vec<Option<Finished>>> {
+    let mut known = BTreeMap::new();
+    plans.iter().map(|plan| predict_one(plan, store, &mut known)).collect()
+}
+
+fn predict_one(
+    plan: &Plan,
+    store: &Store,
+    known: &mut BTreeMap<Digest, Option<Arc<Action>>>,
+) -> Vec<Option<Finished>> {
     let mut finished: Vec<Option<Finished>> = Vec::with_capacity(plan.stages.len());
     for stage in &plan.stages {
         let result = resolve_inputs(stage, &finished).and_then(|inputs| {
             let key = Manifest::of(stage, inputs).key();
-            look_up(store, stage, &key).map(|action| hit(key, action))
+            let look_up = || look_up(store, stage, &key).map(Arc::new);
+            known.entry(key).or_insert_with(look_up).clone().map(|action| hit(key, action))
         });
         finished.push(result);
     }
     finished
 }
 
-fn hit(key: Digest, action: Action) -> Finished {
-    Finished { key, action: Arc::new(action), outcome: Outcome::Hit, start: 0.0, seconds: 0.0, cores: 0 }
+fn hit(key: Digest, action: Arc<Action>) -> Finished {
+    Finished { key, action, outcome: Outcome::Hit, start: 0.0, seconds: 0.0, cores: 0 }
 }
 
 /// Runs all stages of all plans that the store does not have.
@@ -168,7 +183,7 @@ impl<'a> Scheduler<'a> {
         } else if let Some(action) = look_up(self.options.store, &self.plans[slot.0].stages[slot.1], &key) {
             let (outcome, seconds) = (Outcome::Hit, 0.0);
             self.options.observer.event(&Event::Finished { stage: self.name(slot), outcome, seconds });
-            self.finish(slot, hit(key, action));
+            self.finish(slot, hit(key, Arc::new(action)));
         } else {
             self.waiting.insert(key, vec![slot]);
             self.ready.push_back((key, manifest));

@@ -41,6 +41,8 @@ pub struct Report {
     pub violations: Vec<Violation>,
     /// The last lines of standard error.
     pub last_lines: Vec<String>,
+    /// It was asked to stop and did not in time.
+    pub killed: bool,
 }
 
 /// How a run ended.
@@ -58,8 +60,13 @@ pub enum End {
 
 /// Runs a plugin once, from start to the end of its process group.
 pub fn run(setup: &RunSetup<'_>) -> Report {
-    let mut report =
-        Report { end: End::Cancelled, metrics: Vec::new(), violations: Vec::new(), last_lines: Vec::new() };
+    let mut report = Report {
+        end: End::Cancelled,
+        metrics: Vec::new(),
+        violations: Vec::new(),
+        last_lines: Vec::new(),
+        killed: false,
+    };
     match setup.launch.command().and_then(Session::start) {
         Ok(session) => Conversation::new(setup, session).hold(&mut report),
         Err(e) => report.end = End::Broken(format!("it cannot be started: {e}")),
@@ -119,6 +126,7 @@ impl<'a> Conversation<'a> {
                 Heard::Silence => {}
             }
             if let Some(end) = self.check_time() {
+                report.killed = true;
                 return end;
             }
         }

@@ -1,53 +1,30 @@
 //! Reading and checking a whole recipe before anything runs.
 
 use super::wire::{Wire, WireSource, Wiring, order};
-use super::{FileInput, Plan, PlannedStage, schema};
+use super::{FileInput, Plan, PlanOptions, PlanSource, PlannedStage, schema};
 use crate::plugin::{Plugin, PluginPath};
-use crate::recipe::{Node, Override, Recipe, RecipeStage};
-use crate::{Class, Error, Result, Store};
+use crate::recipe::{Node, Recipe, RecipeStage, Source};
+use crate::{Class, Digest, Error, Result, Store};
 use fibar_core::diagnostic::{Diagnostic, did_you_mean};
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
 
-/// Plans a recipe, or reports everything that is wrong with it.
-pub(super) fn load(path: &Path, overrides: &[Override], plugins: &PluginPath, store: &Store) -> Result<Plan> {
-    let reading = Recipe::read(path, overrides)?;
-    let mut checks = Checks { store, findings: reading.findings, other: 0, class: None };
-    let found = checks.plugins(&reading.recipe.stages, plugins);
-    let with_plugin = |stage: RecipeStage| {
-        let plugin = found.get(&stage.plugin).cloned().flatten();
-        (stage, plugin)
-    };
-    let stages: Vec<_> = reading.recipe.stages.into_iter().map(with_plugin).collect();
-    let wiring = Wiring { stages: &stages };
-    let mut wires: Vec<_> = (0..stages.len()).map(|at| wiring.wires(at, &mut checks.findings)).collect();
-    let order = order(&wires).unwrap_or_else(|cycle| {
-        checks.report_cycle(&stages, &cycle);
-        Vec::new()
-    });
-    let mut checked: Vec<_> =
-        stages.iter().map(|(stage, plugin)| checks.stage(stage, plugin.as_deref())).collect();
+/// Plans a recipe or all its variants, or reports everything that is wrong with it.
+pub(super) fn load(path: &Path, options: &PlanOptions<'_>) -> Result<Vec<Plan>> {
+    let reading = Recipe::read(path, options.overrides, options.matrix)?;
+    let mut checks = Checks { store: options.store, findings: reading.findings, other: 0, class: None };
+    let all_stages = reading.recipes.iter().flat_map(|recipe| &recipe.stages);
+    let found = checks.plugins(all_stages, options.plugins);
+    let plans = reading.recipes.into_iter().map(|recipe| checks.plan(recipe, &found));
+    let plans: Vec<Option<Plan>> = plans.collect();
     checks.finish()?;
+    Ok(plans.into_iter().map(|plan| plan.expect("nothing was found wrong")).collect())
+}
 
-    let mut stages: Vec<_> = stages.into_iter().map(Some).collect();
-    let planned = order.iter().map(|&at| {
-        let (stage, plugin) = stages[at].take().expect("every stage is ordered once");
-        let (params, files) = std::mem::take(&mut checked[at]);
-        PlannedStage {
-            id: stage.id,
-            plugin: plugin.expect("checked"),
-            params,
-            files,
-            seed: stage.seed.map(|(seed, _)| seed),
-            allow: stage.allow,
-            wires: renumber(std::mem::take(&mut wires[at]), &order),
-            node: stage.node,
-            use_node: stage.use_node,
-        }
-    });
-    let stages = planned.map(with_default_seed).collect();
-    Ok(Plan { recipe: reading.recipe.path, name: reading.recipe.name, stages })
+fn plan_source(source: &Arc<Source>) -> PlanSource {
+    let name = Path::new(&source.text.name).file_name().unwrap_or_default().to_string_lossy().into_owned();
+    PlanSource { name, digest: Digest::of(source.text.text.as_bytes()) }
 }
 
 /// A seeded stage without a seed in the recipe gets 0.
@@ -56,6 +33,26 @@ fn with_default_seed(mut stage: PlannedStage) -> PlannedStage {
         stage.seed.get_or_insert(0);
     }
     stage
+}
+
+fn planned(
+    stage: RecipeStage,
+    plugin: Arc<Plugin>,
+    params: serde_json::Value,
+    files: Vec<FileInput>,
+    wires: Vec<Wire>,
+) -> PlannedStage {
+    PlannedStage {
+        id: stage.id,
+        plugin,
+        params,
+        files,
+        seed: stage.seed.map(|(seed, _)| seed),
+        allow: stage.allow,
+        wires,
+        node: stage.node,
+        use_node: stage.use_node,
+    }
 }
 
 /// Wires in terms of positions in the plan.
@@ -75,23 +72,64 @@ struct Checks<'a> {
     class: Option<Class>,
 }
 
+/// Plugins by name; `None` for those that are wrong.
+type Found = BTreeMap<String, Option<Arc<Plugin>>>;
+
 impl Checks<'_> {
-    /// Finds and describes each plugin once; several descriptions at a time.
-    fn plugins(
-        &mut self,
-        stages: &[RecipeStage],
-        plugins: &PluginPath,
-    ) -> BTreeMap<String, Option<Arc<Plugin>>> {
+    /// The plan of one recipe, unless something is wrong with it.
+    fn plan(&mut self, recipe: Recipe, found: &Found) -> Option<Plan> {
+        let with_plugin = |stage: RecipeStage| {
+            let plugin = found.get(&stage.plugin).cloned().flatten();
+            (stage, plugin)
+        };
+        let stages: Vec<_> = recipe.stages.into_iter().map(with_plugin).collect();
+        let wiring = Wiring { stages: &stages };
+        let mut wires: Vec<_> = (0..stages.len()).map(|at| wiring.wires(at, &mut self.findings)).collect();
+        let order = order(&wires).unwrap_or_else(|cycle| {
+            self.report_cycle(&stages, &cycle);
+            Vec::new()
+        });
+        let mut checked: Vec<_> =
+            stages.iter().map(|(stage, plugin)| self.stage(stage, plugin.as_deref())).collect();
+        if !self.findings.is_empty() {
+            return None;
+        }
+        let mut stages: Vec<_> = stages.into_iter().map(Some).collect();
+        let planned = order.iter().map(|&at| {
+            let (stage, plugin) = stages[at].take().expect("every stage is ordered once");
+            let (params, files) = std::mem::take(&mut checked[at]);
+            let wires = renumber(std::mem::take(&mut wires[at]), &order);
+            planned(stage, plugin.expect("checked"), params, files, wires)
+        });
+        Some(Plan {
+            recipe: recipe.path,
+            name: recipe.name,
+            sources: recipe.sources.iter().map(plan_source).collect(),
+            changes: recipe.changes,
+            stages: planned.map(with_default_seed).collect(),
+        })
+    }
+
+    /// Finds and describes each plugin once; those that have to be asked, which costs a process each, at the same time.
+    fn plugins<'a>(&mut self, stages: impl Iterator<Item = &'a RecipeStage>, plugins: &PluginPath) -> Found {
         let mut wanted: BTreeMap<&str, &Node> = BTreeMap::new();
         for stage in stages {
             wanted.entry(&stage.plugin).or_insert(&stage.use_node);
         }
         let store = self.store;
+        let paths: BTreeMap<&str, _> = wanted.keys().map(|&name| (name, plugins.find(name))).collect();
+        let load = |name: &str| paths[name].as_ref().map(|path| Plugin::load(name, path, store));
+        let is_known =
+            |name: &str| paths[name].as_ref().is_none_or(|path| Plugin::is_described(name, path, store));
         let results: Vec<_> = std::thread::scope(|scope| {
-            let load = |name: &str| plugins.find(name).map(|path| Plugin::load(name, &path, store));
-            // One thread each only pays when descriptions are not cached, which costs a process each.
-            let threads: Vec<_> = wanted.keys().map(|&name| scope.spawn(move || load(name))).collect();
-            threads.into_iter().map(|thread| thread.join().expect("loading does not panic")).collect()
+            let start = |&name: &&'a str| {
+                if is_known(name) { Err(load(name)) } else { Ok(scope.spawn(move || load(name))) }
+            };
+            let started: Vec<_> = wanted.keys().map(start).collect();
+            let end = |started: std::result::Result<std::thread::ScopedJoinHandle<'_, _>, _>| {
+                started.map_or_else(|known| known, |thread| thread.join().expect("loading does not panic"))
+            };
+            started.into_iter().map(end).collect()
         });
         let mut found = BTreeMap::new();
         for ((name, node), result) in wanted.into_iter().zip(results) {
@@ -190,6 +228,14 @@ impl Checks<'_> {
         if self.findings.is_empty() {
             return Ok(());
         }
+        // Variants repeat each other's mistakes.
+        let mut kept: Vec<Diagnostic> = Vec::new();
+        for finding in std::mem::take(&mut self.findings) {
+            if !kept.contains(&finding) {
+                kept.push(finding);
+            }
+        }
+        self.findings = kept;
         let start = |f: &Diagnostic| {
             f.place.as_ref().map_or((String::new(), 0), |p| (p.source.name.clone(), p.range.start))
         };

@@ -2,6 +2,7 @@
 
 use super::{Entry, Node, NodeValue, Source};
 use fibar_core::diagnostic::{Diagnostic, SourceText, did_you_mean};
+use std::fmt;
 use std::path::PathBuf;
 use std::str::FromStr;
 use std::sync::Arc;
@@ -34,6 +35,13 @@ impl FromStr for Override {
     }
 }
 
+impl fmt::Display for Override {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let value = &self.value.source.text.text[self.value.range.clone()];
+        write!(f, "{}.{}={value}", self.stage, self.key.join("."))
+    }
+}
+
 /// Replaces the value in the table of its stage, given the ids of all stages.
 pub(super) fn apply(stages: &mut [(String, Node)], change: &Override) -> Option<Diagnostic> {
     match stages.iter_mut().find(|(id, _)| *id == change.stage) {
@@ -42,12 +50,7 @@ pub(super) fn apply(stages: &mut [(String, Node)], change: &Override) -> Option<
             None
         }
         None => {
-            let finding = Diagnostic::error(format!(
-                "--set {}.{}: the recipe has no stage `{}`",
-                change.stage,
-                change.key.join("."),
-                change.stage
-            ));
+            let finding = change.value.error(format!("the recipe has no stage `{}`", change.stage));
             let ids = stages.iter().map(|(id, _)| id.as_str());
             Some(match did_you_mean(&change.stage, ids) {
                 Some(id) => finding.hint(format!("did you mean `{id}`?")),

@@ -1,7 +1,9 @@
 //! From TOML to [`Recipe`], collecting every mistake.
 
+use super::matrix::{Matrix, Variant};
 use super::{
-    Entry, From, Node, NodeValue, Override, RECIPE_FORMAT, Reading, Recipe, RecipeStage, Source, overrides,
+    Entry, From, Node, NodeValue, Override, RECIPE_FORMAT, Reading, Recipe, RecipeStage, Source, include,
+    matrix, overrides,
 };
 use crate::error::IoContext;
 use fibar_core::diagnostic::{Diagnostic, SourceText, did_you_mean};
@@ -10,15 +12,16 @@ use std::collections::BTreeSet;
 use std::path::Path;
 use std::sync::Arc;
 
-const TOP_KEYS: [&str; 3] = ["fibar", "object", "stage"];
+const TOP_KEYS: [&str; 5] = ["fibar", "object", "include", "stage", "matrix"];
 const OBJECT_KEYS: [&str; 2] = ["name", "description"];
 
-/// Reads the file and applies the overrides.
-pub(super) fn read(path: &Path, changes: &[Override]) -> crate::Result<Reading> {
+/// Reads the file and what it includes, and applies the overrides to it or to each of its variants.
+pub(super) fn read(path: &Path, changes: &[Override], matrix: Matrix) -> crate::Result<Reading> {
     let text = std::fs::read_to_string(path).context("read the recipe", path)?;
     let folder = path.parent().unwrap_or(Path::new("")).to_owned();
     let source = Arc::new(Source { text: SourceText::new(path.display().to_string(), text), folder });
-    let (root, findings) = Node::parse_file(&source);
+    let (root, mut findings) = Node::parse_file(&source);
+    let profiles = include::profiles(&root, &mut findings);
     if !findings.is_empty() {
         // What follows from a broken line is noise.
         return Err(crate::Error { class: crate::Class::Recipe, findings });
@@ -26,9 +29,42 @@ pub(super) fn read(path: &Path, changes: &[Override]) -> crate::Result<Reading> 
     let mut reader = Reader { findings };
     reader.check_keys(&root, &TOP_KEYS, "a recipe");
     reader.check_format(&root);
+    for profile in &profiles {
+        reader.check_keys(profile, &include::PROFILE_KEYS, "a profile");
+        reader.check_format(profile);
+    }
     let name = reader.object_name(&root);
-    let stages = reader.stages(&root, changes);
-    Ok(Reading { recipe: Recipe { path: path.to_owned(), name, stages }, findings: reader.findings })
+    let tables = reader.tables(&root);
+    let mut variants = matrix::variants(&root, &mut reader.findings);
+    if matrix == Matrix::Ignore {
+        variants = vec![Variant::default()];
+    }
+    let sources: Vec<_> = [&root].into_iter().chain(&profiles).map(|node| Arc::clone(&node.source)).collect();
+    let recipes = variants.into_iter().map(|variant| {
+        let variant_name =
+            if variant.name.is_empty() { name.clone() } else { format!("{name}@{}", variant.name) };
+        let changes = || variant.changes.iter().chain(changes);
+        Recipe {
+            path: path.to_owned(),
+            name: variant_name,
+            sources: sources.clone(),
+            changes: changes().map(Override::to_string).collect(),
+            stages: reader.stages(tables.clone(), changes(), &profiles),
+        }
+    });
+    let recipes = recipes.collect();
+    Ok(Reading { recipes, findings: distinct(reader.findings) })
+}
+
+/// Variants repeat each other's mistakes.
+fn distinct(findings: Vec<Diagnostic>) -> Vec<Diagnostic> {
+    let mut kept: Vec<Diagnostic> = Vec::new();
+    for finding in findings {
+        if !kept.contains(&finding) {
+            kept.push(finding);
+        }
+    }
+    kept
 }
 
 struct Reader {
@@ -78,7 +114,8 @@ impl Reader {
         String::new()
     }
 
-    fn stages(&mut self, root: &Node, changes: &[Override]) -> Vec<RecipeStage> {
+    /// The tables of the stages, each with its id.
+    fn tables(&mut self, root: &Node) -> Vec<(String, Node)> {
         let tables = match root.get("stage").map(|node| (node, &node.value)) {
             Some((_, NodeValue::Array(tables))) if !tables.is_empty() => tables.clone(),
             Some((node, _)) => {
@@ -90,9 +127,20 @@ impl Reader {
                 return Vec::new();
             }
         };
-        let mut tables = self.named(tables);
+        self.named(tables)
+    }
+
+    fn stages<'a>(
+        &mut self,
+        mut tables: Vec<(String, Node)>,
+        changes: impl Iterator<Item = &'a Override>,
+        profiles: &[Node],
+    ) -> Vec<RecipeStage> {
         for change in changes {
             self.findings.extend(overrides::apply(&mut tables, change));
+        }
+        for (_, table) in &mut tables {
+            include::fill(table, profiles);
         }
         tables.into_iter().filter_map(|(id, table)| self.stage(id, table)).collect()
     }

@@ -1,21 +1,25 @@
 //! A workbench: a folder with plugins, a store, recipes and a build folder.
 
-use fibar_engine::build::{self, Budget, BuildOptions, Silent, Waivers};
+use fibar_engine::build::{self, Budget, BuildOptions, Locking, Silent, Waivers};
 use fibar_engine::host::{Limits, Sandbox};
 use fibar_engine::ledger::BuildReport;
+use fibar_engine::plan::{Plan, PlanOptions};
 use fibar_engine::plugin::PluginPath;
+use fibar_engine::recipe::{Matrix, Override};
 use fibar_engine::{Result, Store};
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 
 /// The stages of `examples/demo-stages.rs`.
-const STAGES: [&str; 4] = ["make-text", "upper-text", "bind-text", "verify-text"];
+const STAGES: [&str; 5] = ["make-text", "upper-text", "bind-text", "verify-text", "leak-text"];
 
 pub struct Bench {
     pub folder: TempDir,
     pub waivers: Waivers,
     pub cores: u32,
     pub sandbox: Sandbox,
+    pub matrix: Matrix,
+    pub locking: Locking,
     pub limits: Limits,
 }
 
@@ -46,6 +50,8 @@ impl Bench {
             waivers: Waivers::Respect,
             cores: 2,
             sandbox: Sandbox::Auto,
+            matrix: Matrix::Ignore,
+            locking: Locking::Update,
             limits: Limits::default(),
         }
     }
@@ -58,6 +64,23 @@ impl Bench {
         let path = self.path(name);
         std::fs::write(&path, text).unwrap();
         path
+    }
+
+    /// Builds `recipe.toml`, which is this recipe, into a build folder nobody else uses.
+    pub fn build_in_own_folder(&self, recipe: &str) -> Result<BuildReport> {
+        assert_eq!(self.read("recipe.toml"), recipe);
+        let (store, plugins) = (self.store(), PluginPath::only(vec![self.path("plugins")]));
+        let mut options = self.options(&store, &plugins, &[], &|| false);
+        options.out = TempDir::new_in(self.folder.path()).unwrap().keep();
+        build::build(&[self.path("recipe.toml")], &options).map(|mut reports| reports.remove(0))
+    }
+
+    /// Plans what is in `recipe.toml`, with values set from outside.
+    pub fn plans(&self, store: &Store, set: &[&str]) -> Vec<Plan> {
+        let overrides: Vec<_> = set.iter().map(|text| text.parse().unwrap()).collect();
+        let plugins = PluginPath::only(vec![self.path("plugins")]);
+        let options = PlanOptions { plugins: &plugins, store, overrides: &overrides, matrix: self.matrix };
+        Plan::make(&self.path("recipe.toml"), &options).unwrap_or_else(|e| panic!("{e}"))
     }
 
     /// A plugin that is a script.
@@ -87,25 +110,45 @@ impl Bench {
         set: &[&str],
         is_cancelled: &(dyn Fn() -> bool + Sync),
     ) -> Result<BuildReport> {
+        self.build_all(recipe, set, is_cancelled).map(|mut reports| reports.remove(0))
+    }
+
+    /// Every variant of a recipe text, as far as the bench looks at its matrix.
+    pub fn build_all(
+        &self,
+        recipe: &str,
+        set: &[&str],
+        is_cancelled: &(dyn Fn() -> bool + Sync),
+    ) -> Result<Vec<BuildReport>> {
         let path = self.write("recipe.toml", recipe);
         let overrides: Vec<_> = set.iter().map(|text| text.parse().unwrap()).collect();
-        let reports = build::build(
-            &[path],
-            &BuildOptions {
-                store: &self.store(),
-                plugins: &PluginPath::only(vec![self.path("plugins")]),
-                overrides: &overrides,
-                budget: Budget { cores: self.cores, memory_mb: 4096 },
-                out: self.path("build"),
-                waivers: self.waivers,
-                sandbox: self.sandbox,
-                threads: None,
-                limits: self.limits,
-                observer: &Silent,
-                is_cancelled,
-            },
-        );
-        reports.map(|mut reports| reports.remove(0))
+        let store = self.store();
+        let plugins = PluginPath::only(vec![self.path("plugins")]);
+        build::build(&[path], &self.options(&store, &plugins, &overrides, is_cancelled))
+    }
+
+    pub fn options<'a>(
+        &self,
+        store: &'a Store,
+        plugins: &'a PluginPath,
+        overrides: &'a [Override],
+        is_cancelled: &'a (dyn Fn() -> bool + Sync),
+    ) -> BuildOptions<'a> {
+        BuildOptions {
+            store,
+            plugins,
+            overrides,
+            matrix: self.matrix,
+            locking: self.locking,
+            budget: Budget { cores: self.cores, memory_mb: 4096 },
+            out: self.path("build"),
+            waivers: self.waivers,
+            sandbox: self.sandbox,
+            threads: None,
+            limits: self.limits,
+            observer: &Silent,
+            is_cancelled,
+        }
     }
 
     /// The ids of the stages that a build of the recipe runs.

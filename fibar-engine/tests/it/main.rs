@@ -4,6 +4,11 @@
 
 mod bench;
 mod caching;
+mod comparing;
+mod explaining;
+mod keeping;
+mod kit;
 mod mistakes;
 mod publishing;
 mod rudeness;
+mod variants;

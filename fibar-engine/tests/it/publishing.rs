@@ -15,7 +15,16 @@ fn check(bench: &Bench, file: &str, expected: Expect) {
 fn outputs_and_metrics_are_published() {
     let bench = Bench::new();
     bench.build(&book("times = 2", "", "word = 'zebra'")).unwrap();
-    let expected = ["book", "fibar.lock", "metrics.json", "text.txt", "timings.json", "upper.txt"];
+    let expected = [
+        "book",
+        "fibar.lock",
+        "metrics.json",
+        "provenance.json",
+        "text.txt",
+        "timings.json",
+        "trace.json",
+        "upper.txt",
+    ];
     assert_eq!(bench.list("build/book"), expected);
     check(&bench, "book/pages/0.txt", expect!["HELLOHELLO"]);
     check(

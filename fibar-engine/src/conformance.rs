@@ -1,0 +1,141 @@
+//! The conformance kit: does a plugin keep the promises of the protocol? Every check says what it saw.
+
+mod trial;
+
+use crate::host::{End, Limits};
+use crate::{Result, Store};
+use fibar_core::diagnostic::Diagnostic;
+use fibar_core::protocol::{Arity, Description, FailureKind};
+use serde_json::{Value, json};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use trial::{Bench, outcome};
+
+/// What is needed to run a plugin without a recipe.
+#[derive(Debug, Default)]
+pub struct Samples {
+    /// Files or folders for input ports.
+    pub inputs: BTreeMap<String, Vec<PathBuf>>,
+    /// Parameters that have no default.
+    pub params: serde_json::Map<String, Value>,
+}
+
+/// The result of one check.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Check {
+    /// What was asked.
+    pub name: &'static str,
+    /// What was seen.
+    pub verdict: Verdict,
+}
+
+/// What was seen.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Verdict {
+    /// The promise is kept.
+    Kept,
+    /// It is broken, in this way.
+    Broken(String),
+    /// It could not be asked, for this reason.
+    Skipped(String),
+}
+
+/// Asks a plugin everything that can be asked with the samples.
+pub fn check(executable: &Path, samples: &Samples, store: &Store) -> Result<Vec<Check>> {
+    let mut checks = Vec::new();
+    let mut note = |name: &'static str, verdict: Verdict| checks.push(Check { name, verdict });
+    let name = executable.file_stem().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
+    let described = crate::host::describe(executable, store, &Limits::default())
+        .and_then(|description| crate::plugin::check_description(&name, &description).map(|()| description));
+    let description = match described {
+        Ok(description) => description,
+        Err(error) => {
+            note("describes itself", broken(error.findings.first()));
+            return Ok(checks);
+        }
+    };
+    note("describes itself", Verdict::Kept);
+    let again = crate::host::describe(executable, store, &Limits::default());
+    note(
+        "says the same when asked again",
+        kept_if(again.is_ok_and(|d| d == description), "it says something else"),
+    );
+    let bench = Bench { executable, description: &description, samples, store };
+    note("refuses another protocol version", bench.refuses_other_version());
+    note("refuses unknown parameters", bench.unknown_parameter());
+    note("refuses missing inputs", bench.missing_input());
+    match bench.lacks() {
+        Some(reason) => {
+            for name in ["runs with its defaults", "gives the same bytes again", "stops when asked"] {
+                note(name, Verdict::Skipped(reason.clone()));
+            }
+        }
+        None => {
+            let first = bench.run(1)?;
+            note("runs with its defaults", outcome(&first.report));
+            if matches!(first.report.end, End::Done(_)) {
+                note("gives the same bytes again", bench.repeats(&first)?);
+            }
+            note("stops when asked", bench.stops()?);
+        }
+    }
+    Ok(checks)
+}
+
+fn broken(finding: Option<&Diagnostic>) -> Verdict {
+    Verdict::Broken(finding.map_or(String::new(), |finding| finding.message.clone()))
+}
+
+fn kept_if(kept: bool, otherwise: &str) -> Verdict {
+    if kept { Verdict::Kept } else { Verdict::Broken(otherwise.into()) }
+}
+
+impl Bench<'_> {
+    /// Why the stage cannot be run at all.
+    fn lacks(&self) -> Option<String> {
+        let lacks = |port: &&fibar_core::protocol::InputPort| {
+            port.arity == Arity::One && !self.samples.inputs.contains_key(&port.name)
+        };
+        let port = self.description.inputs.iter().find(lacks);
+        port.map(|port| format!("give it an input: --input {}=FILE", port.name))
+    }
+
+    fn unknown_parameter(&self) -> Verdict {
+        let mut request = self.request(1);
+        request.params["no-such-parameter"] = json!(1);
+        self.refuses(&request, &[FailureKind::User])
+    }
+
+    fn missing_input(&self) -> Verdict {
+        if !self.description.inputs.iter().any(|port| port.arity == Arity::One) {
+            return Verdict::Skipped("it needs none".into());
+        }
+        let mut request = self.request(1);
+        request.inputs.clear();
+        self.refuses(&request, &[FailureKind::Internal, FailureKind::Input, FailureKind::User])
+    }
+
+    fn repeats(&self, first: &trial::Run<'_>) -> Result<Verdict> {
+        if !self.description.deterministic {
+            return Ok(Verdict::Skipped("it does not promise to".into()));
+        }
+        let again = self.run(3)?;
+        let (a, b) = (first.digests(self.description), again.digests(self.description));
+        Ok(match (a, b) {
+            (Ok(a), Ok(b)) if a == b => Verdict::Kept,
+            (Ok(a), Ok(b)) => {
+                let port = a.iter().find(|(port, digest)| b.get(*port) != Some(digest)).map(|(port, _)| port);
+                Verdict::Broken(format!("output `{}` differs on 3 threads", port.map_or("?", |p| p)))
+            }
+            (Err(error), _) | (_, Err(error)) => broken(error.findings.first()),
+        })
+    }
+}
+
+/// Whether a description can be used at all; kept beside the checks that use it.
+pub(crate) fn defaults_of(description: &Description) -> serde_json::Map<String, Value> {
+    let properties = description.params["properties"].as_object().cloned().unwrap_or_default();
+    let default =
+        |(key, schema): (String, Value)| Some((key, schema.get("default").filter(|d| !d.is_null())?.clone()));
+    properties.into_iter().filter_map(default).collect()
+}
