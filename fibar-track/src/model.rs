@@ -92,26 +92,49 @@ impl Model {
 
     /// Names blobs by a pose: of all pairs of one pattern within `gate_px` the nearest first, each blob and marker once.
     pub fn name(&self, camera: &Camera, pose: &Pose, blobs: &[Blob], gate_px: f64) -> Vec<Option<usize>> {
-        let places: Vec<Option<DVec2>> =
-            (0..self.markers.len()).map(|k| self.project(camera, pose, k)).collect();
+        let mut names = vec![None; blobs.len()];
+        self.pair_up(camera, pose, blobs, gate_px, &mut names, |blob, marker| blob.pattern == marker.pattern);
+        names
+    }
+
+    /// Names what [`name`](Self::name) left over by place alone: blobs whose bits were misread (Tone 2020, "Pose estimation of
+    /// projection object from markers": names are corrected by the pose).
+    pub fn name_misread(
+        &self,
+        camera: &Camera,
+        pose: &Pose,
+        blobs: &[Blob],
+        gate_px: f64,
+        names: &mut [Option<usize>],
+    ) {
+        self.pair_up(camera, pose, blobs, gate_px, names, |_, _| true);
+    }
+
+    fn pair_up(
+        &self,
+        camera: &Camera,
+        pose: &Pose,
+        blobs: &[Blob],
+        gate_px: f64,
+        names: &mut [Option<usize>],
+        may_be: impl Fn(&Blob, &Marker) -> bool,
+    ) {
         let mut pairs = Vec::new();
-        for (blob, seen) in blobs.iter().enumerate() {
-            for &marker in self.of_pattern(seen.pattern) {
-                let distance = places[marker].map_or(f64::INFINITY, |p| p.distance_squared(seen.at));
-                if distance <= gate_px * gate_px {
+        for (marker, known) in self.markers.iter().enumerate().filter(|(k, _)| !names.contains(&Some(*k))) {
+            let Some(place) = self.project(camera, pose, marker) else { continue };
+            for (blob, seen) in blobs.iter().enumerate().filter(|(k, _)| names[*k].is_none()) {
+                let distance = place.distance_squared(seen.at);
+                if distance <= gate_px * gate_px && may_be(seen, known) {
                     pairs.push((distance, blob, marker));
                 }
             }
         }
         pairs.sort_by(|a, b| a.0.total_cmp(&b.0).then((a.1, a.2).cmp(&(b.1, b.2))));
-        let mut names = vec![None; blobs.len()];
-        let mut taken = vec![false; self.markers.len()];
         for (_, blob, marker) in pairs {
-            if names[blob].is_none() && !taken[marker] {
-                (names[blob], taken[marker]) = (Some(marker), true);
+            if names[blob].is_none() && !names.contains(&Some(marker)) {
+                names[blob] = Some(marker);
             }
         }
-        names
     }
 }
 

@@ -190,29 +190,33 @@ impl Search<'_> {
         self.judge.false_alarms(&best.judgement, self.tried, self.options.gate_px)
     }
 
-    /// The best pose against its mirror twin, refined, and the names it gives.
+    /// The best pose against its mirror twin, refined, and the names it gives; those of misread blobs too if it is certain.
     fn conclude(mut self) -> Recognition {
-        let unnamed = vec![None; self.judge.blobs.len()];
         let Some(first) = &self.best else {
-            return Recognition { names: unnamed, estimate: None, false_alarms: f64::INFINITY };
+            let names = vec![None; self.judge.blobs.len()];
+            return Recognition { names, estimate: None, false_alarms: f64::INFINITY };
         };
         let seen = self.explained(&first.pose, self.options.gate_px);
         let (pose, judgement) = self.polish(&twin(&first.pose, &seen));
         self.keep(pose, judgement);
         let best = self.best.as_ref().expect("kept above");
+        let (false_alarms, gate_px) = (self.false_alarms(best), self.options.gate_px);
         let Judge { model, camera, blobs, .. } = self.judge;
-        let names = model.name(camera, &best.pose, blobs, self.options.gate_px);
-        Recognition {
-            estimate: self.estimate(&best.pose, &names),
-            false_alarms: self.false_alarms(best),
-            names,
+        let estimate = self.estimate(&best.pose);
+        let pose = estimate.as_ref().map_or(best.pose, |e| e.pose);
+        let mut names = model.name(camera, &pose, blobs, gate_px);
+        if false_alarms < self.options.max_false_alarms {
+            model.name_misread(camera, &pose, blobs, gate_px, &mut names);
         }
+        Recognition { names, estimate, false_alarms }
     }
 
-    fn estimate(&self, pose: &Pose, names: &[Option<usize>]) -> Option<Estimate> {
+    fn estimate(&self, pose: &Pose) -> Option<Estimate> {
+        let Judge { model, camera, blobs, .. } = self.judge;
         let seen = self.explained(pose, self.options.gate_px);
-        let fit = refine(self.judge.camera, pose, &seen, 10)?;
-        let (_, twin_margin) = better_of_twins(self.judge.camera, fit, &seen, 10);
+        let fit = refine(camera, pose, &seen, 10)?;
+        let (_, twin_margin) = better_of_twins(camera, fit, &seen, 10);
+        let names = model.name(camera, pose, blobs, self.options.gate_px);
         Some(Estimate {
             pose: fit.pose,
             inliers: (0..names.len()).filter(|&k| names[k].is_some()).collect(),

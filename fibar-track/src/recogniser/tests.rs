@@ -29,7 +29,7 @@ fn see(model: &Model, pose: &Pose, trouble: Trouble, random: &mut Random) -> (Ve
                 at: CAMERA.project(pose.apply(marker.position)) + random.noise(trouble.noise_px),
                 pattern,
             });
-            owners.push((!misread).then_some(k));
+            owners.push(Some(k));
         }
     }
     for _ in 0..trouble.strays {
