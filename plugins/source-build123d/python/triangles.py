@@ -10,6 +10,8 @@ from OCP.TopLoc import TopLoc_Location
 
 from refusal import Refusal
 
+# Beside a sphere's poles the kernel was seen to miss its aim by up to 2.08 times, so it is told to aim at half.
+AIM = 0.48
 IDENTITY = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
 
 
@@ -18,7 +20,7 @@ def of_solid(solid, label, request):
     placed = fresh(solid.wrapped, request["scale"], request["turn"])
     # Not Shape.tessellate(): it takes the tolerance relative to the length of each edge, and keeps older triangles.
     relative, parallel = False, request["threads"] > 1
-    BRepMesh_IncrementalMesh(placed, request["chord_error_mm"], relative, request["angle_rad"], parallel)
+    BRepMesh_IncrementalMesh(placed, AIM * request["chord_error_mm"], relative, request["angle_rad"], parallel)
     coordinates, indices = [], []
     for number, face in enumerate(Shape.cast(placed).faces()):
         if not add_face(face.wrapped, coordinates, indices):

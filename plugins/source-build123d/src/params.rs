@@ -39,7 +39,7 @@ impl Default for Params {
             path: InputFile::default(),
             parameters: BTreeMap::new(),
             files: BTreeMap::new(),
-            chord_error_mm: 0.05,
+            chord_error_mm: 0.1,
             angle_deg: 15.0,
             scale: 1.0,
             up: Direction::PlusZ,

@@ -7,6 +7,8 @@
 
 mod environment;
 
+use fibar_core::artefact::mesh::TriangleMesh;
+use glam::DVec3;
 use serde_json::{Value, json};
 use std::process::{Command, Output};
 use std::sync::OnceLock;
@@ -185,6 +187,7 @@ fn labels_colours_and_bytes_are_the_same_on_every_way_in() {
         (json!("my block.1"), json!([1.0, 0.501961, 0.0, 1.0]), json!(0))
     );
     assert_eq!(summary(&parts["parts"][1]), (json!("ball"), Value::Null, json!(0)));
+    check_ball(&first.file("mesh.ply"), &parts["parts"][1]);
     check_volume(&parts["parts"][0], 900.0 * 20.0 - std::f64::consts::PI * 16.0 * 20.0);
     let second = Run::of("toy.py", script.as_bytes(), coarse);
     assert_eq!(first.output.stdout, second.output.stdout);
@@ -214,6 +217,19 @@ fn without_a_solid(step: &str) -> String {
 fn cut_in_the_middle(step: &str) -> String {
     let at = step[step.len() / 2..].find('(').unwrap() + step.len() / 2;
     format!("{}\nENDSEC;\nEND-ISO-10303-21;\n", &step[..=at])
+}
+
+/// Every triangle of the ball stays within the chord error of the true sphere, in its middle and along its edges.
+fn check_ball(ply: &[u8], part: &Value) {
+    let mesh = TriangleMesh::from_ply(ply).unwrap();
+    let number = |name: &str| part[name].as_u64().unwrap() as usize;
+    for k in number("first_triangle")..number("first_triangle") + number("triangles") {
+        let [a, b, c] = mesh.corners(k);
+        for point in [(a + b) / 2.0, (b + c) / 2.0, (c + a) / 2.0, (a + b + c) / 3.0] {
+            let depth = 5.0 - point.distance(DVec3::new(40.0, 0.0, 100.0));
+            assert!((-1e-9..0.5).contains(&depth), "triangle {k} lies {depth} mm under the sphere");
+        }
+    }
 }
 
 #[track_caller]
