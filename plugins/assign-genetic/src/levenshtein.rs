@@ -58,9 +58,9 @@ impl Needle {
         self.distance_below(other, u32::MAX).expect("no limit was set")
     }
 
-    /// The distance to a sequence with these counts of symbols if it is less than a limit; the counts alone often tell.
-    pub fn distance_if_nearer(&self, other: &[u8], counts: &Counts, limit: u32) -> Option<u32> {
-        if self.counts.bag_distance(counts) < limit { self.distance_below(other, limit) } else { None }
+    /// Whether the distance to a sequence with these counts of symbols is less than a limit; the counts alone often tell.
+    pub fn is_nearer(&self, other: &[u8], counts: &Counts, limit: u32) -> bool {
+        self.counts.bag_distance(counts) < limit && self.distance_below(other, limit).is_some()
     }
 
     /// The distance if it is less than a limit.

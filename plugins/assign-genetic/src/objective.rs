@@ -47,15 +47,8 @@ pub struct Evaluated {
 struct Verdict {
     /// Levenshtein distance to the marker's own table entry.
     distance: u32,
-    /// Distance and site of the nearest other entry of the same pattern, the first of equals.
-    rival: Option<(u32, u32)>,
-}
-
-impl Verdict {
-    /// The lookup finds the marker if no rival is nearer, or as near and earlier in the table.
-    fn is_right(&self, site: usize) -> bool {
-        self.rival.is_none_or(|rival| (self.distance, site as u32) < rival)
-    }
+    /// A marker of the same pattern whose entry is nearer, or as near and earlier in the table: the name is wrong.
+    mistaken_for: Option<u32>,
 }
 
 /// What the lookup says about one view.
@@ -119,7 +112,7 @@ impl Evaluated {
             for (views, verdict) in
                 std::iter::zip(self.topology.sightings(site).views.iter(), verdicts.iter())
             {
-                let one = Tally::of(verdict, site, self.genes[site]);
+                let one = Tally::of(verdict, self.genes[site]);
                 views.iter().for_each(|&view| tallies[view as usize].add(one));
             }
         }
@@ -145,52 +138,39 @@ impl Evaluated {
         Some(Arc::new(Needle::new(best[0].1)))
     }
 
-    /// Looks up every sighting of a marker: in the whole table where it reads differently than before, and among the
-    /// entries that are not as before where it reads the same.
+    /// Looks up every sighting of a marker: in the whole table where it or the marker's own entry is not as before, else
+    /// among the entries that are not.
     fn judge(&self, site: usize, before: &Evaluated, change: &Change, patterns: &Patterns) -> Vec<Verdict> {
         let Some(own) = &self.table[site] else { return Vec::new() };
         let (members, disturbed) = patterns.rivals(self.genes[site]);
-        let afresh = change.changed[site] || !change.has_same_sightings(before, self, site);
+        let afresh = change.relisted[site] || !change.has_same_sightings(before, self, site);
         let mut sequence = Vec::new();
         let judge = |(k, ring): (usize, &[u32])| {
             let same = !afresh && !ring.iter().any(|&neighbour| change.changed[neighbour as usize]);
             let known = same.then(|| before.verdicts[site][k]);
-            let (rivals, best) = match known.map(|v| v.rival) {
-                Some(Some((_, rival))) if change.relisted[rival as usize] => (members, None),
-                Some(rival) => (disturbed, rival),
-                None => (members, None),
+            let rivals = match known {
+                Some(Verdict { mistaken_for: Some(rival), .. }) if change.relisted[rival as usize] => members,
+                Some(verdict) if verdict.mistaken_for.is_some() || disturbed.is_empty() => return verdict,
+                Some(_) => disturbed,
+                None => members,
             };
-            let known_distance = known.filter(|_| !change.relisted[site]).map(|v| v.distance);
-            if let (Some(distance), []) = (known_distance, rivals) {
-                return Verdict { distance, rival: best };
-            }
             sequence.clear();
             sequence.extend(ring.iter().map(|&neighbour| self.genes[neighbour as usize]));
-            Verdict {
-                distance: known_distance.unwrap_or_else(|| own.distance(&sequence)),
-                rival: self.nearest_rival(site, &sequence, rivals, best),
-            }
+            let distance = known.map_or_else(|| own.distance(&sequence), |verdict| verdict.distance);
+            Verdict { distance, mistaken_for: self.find_rival(site, &sequence, distance, rivals) }
         };
         self.topology.sightings(site).rings.iter().enumerate().map(judge).collect()
     }
 
-    /// Distance and site of the nearest entry among `rivals`, where nearer than `best` or as near and earlier.
-    fn nearest_rival(
-        &self,
-        site: usize,
-        sequence: &[u8],
-        rivals: &[u32],
-        mut best: Option<(u32, u32)>,
-    ) -> Option<(u32, u32)> {
+    /// A marker that the lookup prefers to the right one, whose entry is at the given distance; the first of equals wins.
+    fn find_rival(&self, site: usize, sequence: &[u8], distance: u32, rivals: &[u32]) -> Option<u32> {
         let counts = Counts::of(sequence);
-        for &rival in rivals.iter().filter(|&&k| k as usize != site) {
+        let wins = |rival: u32| {
             let entry = self.table[rival as usize].as_ref().expect("rivals are markers that are seen");
-            let limit = best.map_or(u32::MAX, |(distance, first)| distance + u32::from(rival < first));
-            if let Some(distance) = entry.distance_if_nearer(sequence, &counts, limit) {
-                best = Some((distance, rival));
-            }
-        }
-        best
+            let limit = distance + u32::from((rival as usize) < site);
+            entry.is_nearer(sequence, &counts, limit)
+        };
+        rivals.iter().copied().find(|&rival| rival as usize != site && wins(rival))
     }
 }
 
@@ -269,8 +249,8 @@ impl Patterns {
 
 impl Tally {
     /// One marker.
-    fn of(verdict: &Verdict, site: usize, gene: u8) -> Tally {
-        let right = u32::from(verdict.is_right(site));
+    fn of(verdict: &Verdict, gene: u8) -> Tally {
+        let right = u32::from(verdict.mistaken_for.is_none());
         Tally {
             right,
             wrong: 1 - right,
