@@ -1,0 +1,13 @@
+//! `cargo xtask bench [NAME]`: ratios to peers, measured in one run on one machine. Nothing here fails on a slow one.
+
+mod engine;
+mod peers;
+mod stopwatch;
+
+fn main() {
+    let names: Vec<String> = std::env::args().skip(1).collect();
+    let wanted = |name: &str| names.is_empty() || names.iter().any(|n| n == name);
+    if wanted("engine") {
+        engine::run();
+    }
+}
