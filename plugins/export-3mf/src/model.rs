@@ -111,3 +111,42 @@ fn triangles(mesh: &SingleMesh, start: u32, material: &str) -> String {
     }
     xml
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::part::tests::tetrahedron;
+
+    #[track_caller]
+    fn check(xml: &str, counts: &[(&str, usize)]) {
+        for (text, count) in counts {
+            assert_eq!(xml.matches(text).count(), *count, "{text} in {xml}");
+        }
+    }
+
+    #[test]
+    fn components_have_an_object_each_and_volumes_share_one() {
+        let parts = [tetrahedron(Role::Core), tetrahedron(Role::Skin)];
+        let spec = of_components(&parts, [1.0, 2.5, 0.0]).text;
+        check(
+            &spec,
+            &[("<object ", 3), ("<mesh>", 2), ("<component ", 2), ("<vertex ", 8), ("<triangle ", 8)],
+        );
+        check(
+            &spec,
+            &[(r#"name="skin" pid="1" pindex="3""#, 1), (r#"transform="1 0 0 0 1 0 0 0 1 1 2.5 0""#, 1)],
+        );
+        check(&spec, &[(r#"<vertex x="0.1" y="0.25" z="1.5"/>"#, 2), ("slic3rpe", 0)]);
+        let prusa = of_volumes(&parts, [0.0; 3]).text;
+        check(
+            &prusa,
+            &[
+                ("<object ", 1),
+                ("<vertex ", 8),
+                ("<triangle ", 8),
+                (r#"v1="4" v2="6" v3="5" pid="1" p1="3""#, 1),
+            ],
+        );
+        check(&prusa, &[(r#"<metadata name="slic3rpe:Version3mf">1</metadata>"#, 1)]);
+    }
+}

@@ -46,3 +46,25 @@ fn options(size: usize) -> SimpleFileOptions {
 fn failure(error: ZipError) -> StageError {
     StageError::internal(format!("the package cannot be written: {error}"))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::io::Read;
+
+    #[test]
+    fn what_is_packed_comes_out_in_order_and_undated() {
+        let files = [PackedFile { name: "3D/3dmodel.model", text: "<model/>".repeat(1000) }];
+        let bytes = pack(&files).unwrap();
+        assert_eq!(bytes, pack(&files).unwrap());
+        let mut zip = zip::ZipArchive::new(Cursor::new(bytes)).unwrap();
+        let names: Vec<String> =
+            (0..zip.len()).map(|k| zip.by_index(k).unwrap().name().unwrap().to_string()).collect();
+        assert_eq!(names, ["[Content_Types].xml", "_rels/.rels", "3D/3dmodel.model"]);
+        let mut model = zip.by_name("3D/3dmodel.model").unwrap();
+        assert_eq!(model.last_modified(), Some(DateTime::DEFAULT));
+        let mut text = String::new();
+        model.read_to_string(&mut text).unwrap();
+        assert_eq!(text, files[0].text);
+    }
+}

@@ -42,3 +42,18 @@ impl Part {
         Role::ALL.iter().position(|role| *role == self.role).expect("ALL holds every role")
     }
 }
+
+#[cfg(test)]
+pub mod tests {
+    //! Parts to write.
+
+    use super::*;
+    use glam::DVec3;
+
+    /// A tetrahedron of a role.
+    pub fn tetrahedron(role: Role) -> Part {
+        let vertices = vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::new(0.1, 0.25, 1.5)];
+        let triangles = vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+        Part { name: role.name().into(), role, mesh: SingleMesh::of(&TriangleMesh { vertices, triangles }) }
+    }
+}

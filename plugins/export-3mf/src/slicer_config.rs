@@ -31,3 +31,22 @@ fn volume(part: &Part, first: usize, last: usize) -> String {
         datum("extruder", &extruder)
     )
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::part::tests::tetrahedron;
+    use fibar_core::material::Role;
+
+    #[test]
+    fn volumes_follow_each_other_and_know_their_extruder() {
+        let text = of(&Role::ALL.map(tetrahedron)).text;
+        for (k, role) in Role::ALL.into_iter().enumerate() {
+            let range = format!(r#"<volume firstid="{}" lastid="{}">"#, 4 * k, 4 * k + 3);
+            let volume = &text[text.find(&range).unwrap()..];
+            let volume = &volume[..volume.find("</volume>").unwrap()];
+            assert!(volume.contains(&format!(r#"key="name" value="{}""#, role.name())), "{volume}");
+            assert!(volume.contains(&format!(r#"key="extruder" value="{}""#, k + 1)), "{volume}");
+        }
+    }
+}
