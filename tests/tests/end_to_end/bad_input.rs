@@ -34,18 +34,17 @@ fn recipe_errors_name_line_and_key() {
 #[test]
 fn files_that_are_no_mesh_are_refused() {
     let pebble = pebble();
-    check(
-        "objects/pebble.obj",
-        "objects/pebbles.obj",
-        &pebble,
-        2,
-        &["pebble.toml:9", "pebbles.obj", "pebble.obj"],
-    );
-    check("", "", b"", 3, &["pebble.toml:9", "empty"]);
-    let half = &pebble[..pebble.len() / 3];
-    check("", "", half, 3, &["pebble.toml:9", "no face"]);
-    let torn = &pebble[..pebble.len() * 9 / 10];
-    check("", "", torn, 3, &["open", "mm"]);
+    let missing = ["pebble.toml:9", "objects/pebbles.obj", "did you mean \"pebble.obj\""];
+    check("objects/pebble.obj", "objects/pebbles.obj", &pebble, 3, &missing);
+    check("", "", b"", 3, &["pebble.toml:9", "empty", "export"]);
+    check("", "", &pebble[..9_000], 3, &["pebble.toml:9", "line 339", "coordinates"]);
+    check("", "", &lines(&pebble, 645), 3, &["pebble.toml:9", "no triangle"]);
+    check("", "", &lines(&pebble, 1900), 3, &["19 edges are open", "mm"]);
+}
+
+/// The first lines of a file, whole.
+fn lines(bytes: &[u8], count: usize) -> Vec<u8> {
+    bytes.split_inclusive(|&byte| byte == b'\n').take(count).flatten().copied().collect()
 }
 
 #[test]
