@@ -132,8 +132,8 @@ impl Bench<'_> {
     }
 }
 
-/// Whether a description can be used at all; kept beside the checks that use it.
-pub(crate) fn defaults_of(description: &Description) -> serde_json::Map<String, Value> {
+/// The parameters that have a default, with it.
+fn defaults_of(description: &Description) -> serde_json::Map<String, Value> {
     let properties = description.params["properties"].as_object().cloned().unwrap_or_default();
     let default =
         |(key, schema): (String, Value)| Some((key, schema.get("default").filter(|d| !d.is_null())?.clone()));

@@ -28,13 +28,16 @@ fn json_difference(path: &str, a: &Value, b: &Value) -> Option<(String, String, 
     }
 }
 
+/// Name, count, and properties with their sizes; 0 for a list.
+type Element<'a> = (&'a str, usize, Vec<(&'a str, usize)>);
+
 /// `vertex 17, y` of a binary PLY file whose elements have no lists before the byte; `face data` after that.
 fn ply_field(bytes: &[u8], byte: usize) -> Option<String> {
     let end = b"end_header\n";
     let start = bytes.windows(end.len()).position(|window| window == end)? + end.len();
     let header = std::str::from_utf8(&bytes[..start]).ok().filter(|text| text.starts_with("ply"))?;
     let Some(mut offset) = byte.checked_sub(start) else { return Some("header".into()) };
-    let mut elements: Vec<(&str, usize, Vec<(&str, usize)>)> = Vec::new();
+    let mut elements: Vec<Element<'_>> = Vec::new();
     for words in header.lines().map(|line| line.split(' ').collect::<Vec<_>>()) {
         match words.as_slice() {
             ["element", name, count] => elements.push((name, count.parse().ok()?, Vec::new())),

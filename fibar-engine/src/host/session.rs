@@ -88,12 +88,7 @@ impl Session {
         if std::mem::replace(&mut self.ended, true) {
             return None;
         }
-        let deadline = Instant::now() + patience;
-        let mut pause = Duration::from_micros(200);
-        while !os::has_ended(&self.child) && Instant::now() < deadline {
-            std::thread::sleep(pause);
-            pause = (pause * 2).min(Duration::from_millis(20));
-        }
+        os::await_end(&self.child, patience);
         self.to_plugin = None;
         os::kill_group(&self.child);
         let _ = self.child.kill();

@@ -50,7 +50,7 @@ pub fn is_executable(meta: &std::fs::Metadata) -> bool {
     meta.is_file()
 }
 
-/// Cannot be asked without collecting it.
-pub fn has_ended(_: &Child) -> bool {
-    false
+/// Waits a moment: it cannot be asked without collecting it.
+pub fn await_end(_: &Child, patience: std::time::Duration) {
+    std::thread::sleep(patience.min(std::time::Duration::from_millis(50)));
 }

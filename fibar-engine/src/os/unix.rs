@@ -3,6 +3,7 @@
 use std::os::unix::process::CommandExt;
 use std::process::{Child, Command};
 use std::sync::atomic::{AtomicU32, Ordering};
+use std::time::{Duration, Instant};
 
 static INTERRUPTS: AtomicU32 = AtomicU32::new(0);
 
@@ -99,9 +100,44 @@ pub fn is_executable(meta: &std::fs::Metadata) -> bool {
 }
 
 /// Whether the child has ended, without collecting it: its process group stays ours until it is.
-pub fn has_ended(child: &Child) -> bool {
+fn has_ended(child: &Child) -> bool {
     use rustix::process::{Pid, WaitId, WaitIdOptions, waitid};
     let Some(pid) = Pid::from_raw(child.id() as i32) else { return true };
     let options = WaitIdOptions::EXITED | WaitIdOptions::NOHANG | WaitIdOptions::NOWAIT;
     waitid(WaitId::Pid(pid), options).is_ok_and(|status| status.is_some())
+}
+
+/// Waits until the child has ended, at most so long, without collecting it.
+pub fn await_end(child: &Child, patience: Duration) {
+    let deadline = Instant::now() + patience;
+    while !has_ended(child) {
+        let left = deadline.saturating_duration_since(Instant::now());
+        if left.is_zero() {
+            return;
+        }
+        pause(child, left);
+    }
+}
+
+/// Sleeps until the child ends, or for a while.
+#[cfg(target_os = "linux")]
+fn pause(child: &Child, longest: Duration) {
+    // SAFETY: plain system calls; the descriptor is ours and closed here.
+    unsafe {
+        let fd = libc::syscall(libc::SYS_pidfd_open, child.id(), 0) as libc::c_int;
+        if fd < 0 {
+            std::thread::sleep(Duration::from_millis(1));
+            return;
+        }
+        let mut watch = libc::pollfd { fd, events: libc::POLLIN, revents: 0 };
+        let millis = longest.as_millis().clamp(1, 60_000) as libc::c_int;
+        libc::poll(&raw mut watch, 1, millis);
+        libc::close(fd);
+    }
+}
+
+/// Sleeps for a short while.
+#[cfg(not(target_os = "linux"))]
+fn pause(_: &Child, longest: Duration) {
+    std::thread::sleep(longest.min(Duration::from_millis(2)));
 }

@@ -118,18 +118,18 @@ impl Checks<'_> {
         }
         let store = self.store;
         let paths: BTreeMap<&str, _> = wanted.keys().map(|&name| (name, plugins.find(name))).collect();
-        let load = |name: &str| paths[name].as_ref().map(|path| Plugin::load(name, path, store));
+        let load = &|name: &str| paths[name].as_ref().map(|path| Plugin::load(name, path, store));
         let is_known =
             |name: &str| paths[name].as_ref().is_none_or(|path| Plugin::is_described(name, path, store));
         let results: Vec<_> = std::thread::scope(|scope| {
-            let start = |&name: &&'a str| {
-                if is_known(name) { Err(load(name)) } else { Ok(scope.spawn(move || load(name))) }
+            let unknown = wanted.keys().copied().filter(|name| !is_known(name));
+            let mut asked: BTreeMap<&str, _> =
+                unknown.map(|name| (name, scope.spawn(move || load(name)))).collect();
+            let load = |&name: &&str| match asked.remove(name) {
+                Some(thread) => thread.join().expect("loading does not panic"),
+                None => load(name),
             };
-            let started: Vec<_> = wanted.keys().map(start).collect();
-            let end = |started: std::result::Result<std::thread::ScopedJoinHandle<'_, _>, _>| {
-                started.map_or_else(|known| known, |thread| thread.join().expect("loading does not panic"))
-            };
-            started.into_iter().map(end).collect()
+            wanted.keys().map(load).collect()
         });
         let mut found = BTreeMap::new();
         for ((name, node), result) in wanted.into_iter().zip(results) {

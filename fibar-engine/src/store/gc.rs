@@ -88,48 +88,12 @@ impl Store {
     /// Deletes what was used least recently until the blobs take at most `max_size` bytes.
     pub fn collect_garbage(&self, max_size: u64) -> Result<Collected> {
         let before = self.oldest_running_build()?.min(SystemTime::now() - GRACE);
-        let mut done = Collected { swept: self.sweep(before)?, ..Collected::default() };
-        let sizes = self.blob_sizes()?;
-        let mut size: u64 = sizes.values().map(|(size, _)| size).sum();
-        let mut entries = self.entries()?;
-        entries.sort_by_key(|entry| std::cmp::Reverse(entry.used));
-        let roots = self.roots()?;
-        let pinned: BTreeSet<Digest> =
-            entries.iter().filter(|e| roots.contains(&e.key)).flat_map(|e| e.blobs.iter().copied()).collect();
-        done.pinned = pinned.iter().filter_map(|blob| sizes.get(blob)).map(|(size, _)| size).sum();
-        let mut users: BTreeMap<Digest, usize> = BTreeMap::new();
-        entries.iter().flat_map(|e| &e.blobs).for_each(|blob| *users.entry(*blob).or_default() += 1);
-        let drop_blob = |blob: &Digest, size: &mut u64, done: &mut Collected| {
-            let Some((bytes, _)) = sizes.get(blob).filter(|(_, used)| *used < before) else { return };
-            if std::fs::remove_file(self.blob_path(blob)).is_ok() {
-                *size -= bytes;
-                done.blobs += 1;
-                done.freed += bytes;
-            }
-        };
-        for blob in sizes.keys().filter(|blob| !users.contains_key(blob)) {
-            drop_blob(blob, &mut size, &mut done);
-        }
-        while size > max_size
-            && let Some(entry) = entries.pop()
-        {
-            if roots.contains(&entry.key) || entry.used >= before {
-                continue;
-            }
-            // The action first: a hit must never lack a blob that is still wanted.
-            if std::fs::remove_file(self.action_path(&entry.key)).is_ok() {
-                done.actions += 1;
-            }
-            for blob in &entry.blobs {
-                let left = users.get_mut(blob).expect("every blob of an action was counted");
-                *left -= 1;
-                if *left == 0 {
-                    drop_blob(blob, &mut size, &mut done);
-                }
-            }
-        }
-        done.left = size;
-        Ok(done)
+        let swept = self.sweep(before)?;
+        let mut heap = Heap::of(self, before)?;
+        heap.drop_unused();
+        heap.drop_oldest_until(max_size);
+        let pinned = heap.pinned_bytes();
+        Ok(Collected { swept, pinned, left: heap.size, ..heap.done })
     }
 
     /// When the oldest build that still runs began; now, if none does. Registrations of dead builds are removed.
@@ -210,6 +174,85 @@ impl Store {
             }
         }
         Ok(keys)
+    }
+}
+
+/// All blobs and who uses them, while they become fewer.
+struct Heap<'a> {
+    store: &'a Store,
+    /// Nothing used since is touched.
+    before: SystemTime,
+    /// Size and last change of every blob.
+    blobs: BTreeMap<Digest, (u64, SystemTime)>,
+    /// How many actions have each blob among their outputs.
+    users: BTreeMap<Digest, usize>,
+    /// Youngest first.
+    entries: Vec<Entry>,
+    roots: BTreeSet<Digest>,
+    size: u64,
+    done: Collected,
+}
+
+impl<'a> Heap<'a> {
+    fn of(store: &'a Store, before: SystemTime) -> Result<Heap<'a>> {
+        let blobs = store.blob_sizes()?;
+        let mut entries = store.entries()?;
+        entries.sort_by_key(|entry| std::cmp::Reverse(entry.used));
+        let mut users: BTreeMap<Digest, usize> = BTreeMap::new();
+        entries.iter().flat_map(|e| &e.blobs).for_each(|blob| *users.entry(*blob).or_default() += 1);
+        let size = blobs.values().map(|(size, _)| size).sum();
+        let roots = store.roots()?;
+        Ok(Heap { store, before, blobs, users, entries, roots, size, done: Collected::default() })
+    }
+
+    /// Bytes of what build folders refer to.
+    fn pinned_bytes(&self) -> u64 {
+        let entries = self.entries.iter().filter(|entry| self.roots.contains(&entry.key));
+        let pinned: BTreeSet<Digest> = entries.flat_map(|entry| entry.blobs.iter().copied()).collect();
+        pinned.iter().filter_map(|blob| self.blobs.get(blob)).map(|(size, _)| size).sum()
+    }
+
+    /// Blobs that no action has: leftovers of crashes, or of actions that became unreadable.
+    fn drop_unused(&mut self) {
+        let unused: Vec<Digest> =
+            self.blobs.keys().filter(|b| !self.users.contains_key(b)).copied().collect();
+        unused.iter().for_each(|blob| self.drop_blob(blob));
+    }
+
+    fn drop_oldest_until(&mut self, max_size: u64) {
+        let mut kept = Vec::new();
+        while self.size > max_size
+            && let Some(entry) = self.entries.pop()
+        {
+            if self.roots.contains(&entry.key) || entry.used >= self.before {
+                kept.push(entry);
+            } else {
+                self.drop_action(&entry);
+            }
+        }
+        self.entries.extend(kept);
+    }
+
+    /// The action first: a hit must never lack a blob that is still wanted.
+    fn drop_action(&mut self, entry: &Entry) {
+        let gone = std::fs::remove_file(self.store.action_path(&entry.key)).is_ok();
+        self.done.actions += usize::from(gone);
+        for blob in &entry.blobs {
+            let left = self.users.get_mut(blob).expect("every blob of an action was counted");
+            *left -= 1;
+            if *left == 0 {
+                self.drop_blob(blob);
+            }
+        }
+    }
+
+    fn drop_blob(&mut self, blob: &Digest) {
+        let Some((bytes, _)) = self.blobs.get(blob).filter(|(_, used)| *used < self.before) else { return };
+        if std::fs::remove_file(self.store.blob_path(blob)).is_ok() {
+            self.size -= bytes;
+            self.done.blobs += 1;
+            self.done.freed += bytes;
+        }
     }
 }
 

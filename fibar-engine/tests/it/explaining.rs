@@ -27,21 +27,40 @@ fn blotted(text: &str) -> String {
 fn a_change_is_followed_to_the_line_that_made_it() {
     let bench = Bench::new();
     bench.build(&book("text = 'bye'", "", "")).unwrap();
-    check(&bench, &[], "verify-text", expect![[r#"
+    check(
+        &bench,
+        &[],
+        "verify-text",
+        expect![[r#"
         `verify-text` (verify-text) hit #: the store has this, nothing would run
-    "#]]);
-    check(&bench, &["verify-text.word=x"], "verify-text", expect![[r#"
+    "#]],
+    );
+    check(
+        &bench,
+        &["verify-text.word=x"],
+        "verify-text",
+        expect![[r#"
         `verify-text` (verify-text) miss #: would run
           compared with the earlier run #:
           params/word: "" → "x"  (--set verify-text.word:1:1)
-    "#]]);
+    "#]],
+    );
     bench.write("recipe.toml", &book("text = 'byes'", "", ""));
-    check(&bench, &[], "make-text", expect![[r#"
+    check(
+        &bench,
+        &[],
+        "make-text",
+        expect![[r#"
         `make-text` (make-text) miss #: would run
           compared with the earlier run #:
           params/text: "bye" → "byes"  (recipe.toml:6:8)
-    "#]]);
-    check(&bench, &[], "verify-text", expect![[r#"
+    "#]],
+    );
+    check(
+        &bench,
+        &[],
+        "verify-text",
+        expect![[r#"
         `verify-text` (verify-text) waits for its inputs
           compared with the earlier run #:
           inputs/book: # → whatever `bind-text` gives
@@ -54,12 +73,17 @@ fn a_change_is_followed_to_the_line_that_made_it() {
                     `make-text` (make-text) miss #: would run
                       compared with the earlier run #:
                       params/text: "bye" → "byes"  (recipe.toml:6:8)
-    "#]]);
+    "#]],
+    );
     bench.build(&book("text = 'BYE'", "", "")).unwrap();
     bench.write("recipe.toml", &book("text = 'bye'\ntimes = 2", "", ""));
     bench.build_with(&book("text = 'bye'\ntimes = 2", "seconds = 0", ""), &[], &|| false).unwrap();
     bench.write("recipe.toml", &book("text = 'BYE'\ntimes = 2", "", "word = 'q'"));
-    check(&bench, &[], "bind-text", expect![[r#"
+    check(
+        &bench,
+        &[],
+        "bind-text",
+        expect![[r#"
         `bind-text` (bind-text) waits for its inputs
           compared with the earlier run #:
           inputs/pages: # → whatever `upper-text` gives
@@ -69,21 +93,32 @@ fn a_change_is_followed_to_the_line_that_made_it() {
                 `make-text` (make-text) miss #: would run
                   compared with the earlier run #:
                   params/text: "bye" → "BYE"  (recipe.toml:6:8)
-    "#]]);
+    "#]],
+    );
 }
 
 #[test]
 fn the_first_run_and_a_lost_artefact_are_told_apart() {
     let bench = Bench::new();
     bench.write("recipe.toml", &book("", "", ""));
-    check(&bench, &[], "make-text", expect![[r#"
+    check(
+        &bench,
+        &[],
+        "make-text",
+        expect![[r#"
         `make-text` (make-text) miss #: would run
           the store knows no earlier run of it
-    "#]]);
+    "#]],
+    );
     bench.build(&book("", "", "")).unwrap();
     let blob = bench.path("store/cas").join(fibar_engine::Digest::of(b"hello").to_string());
     std::fs::remove_file(blob).unwrap();
-    check(&bench, &[], "make-text", expect![[r#"
+    check(
+        &bench,
+        &[],
+        "make-text",
+        expect![[r#"
         `make-text` (make-text) miss #: the store had this, but an output is gone
-    "#]]);
+    "#]],
+    );
 }
