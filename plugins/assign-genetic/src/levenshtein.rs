@@ -29,12 +29,11 @@ impl Counts {
         Counts(counts)
     }
 
-    /// Bag distance: every edit mends one missing and one superfluous symbol at most, so no Levenshtein distance is less.
-    fn bag_distance(&self, other: &Counts) -> u32 {
-        let excess = |a: &Counts, b: &Counts| -> u32 {
-            std::iter::zip(a.0, b.0).map(|(a, b)| u32::from(a.saturating_sub(b))).sum()
-        };
-        excess(self, other).max(excess(other, self))
+    /// Bag distance, the greater of the surpluses on either side: every edit mends one missing and one superfluous symbol
+    /// at most, so no Levenshtein distance is less.
+    fn bag_distance(&self, other: &Counts, length_difference: u32) -> u32 {
+        let differences: u32 = std::iter::zip(self.0, other.0).map(|(a, b)| u32::from(a.abs_diff(b))).sum();
+        differences.midpoint(length_difference)
     }
 }
 
@@ -60,7 +59,9 @@ impl Needle {
 
     /// Whether the distance to a sequence with these counts of symbols is less than a limit; the counts alone often tell.
     pub fn is_nearer(&self, other: &[u8], counts: &Counts, limit: u32) -> bool {
-        self.counts.bag_distance(counts) < limit && self.distance_below(other, limit).is_some()
+        let length_difference = self.sequence.len().abs_diff(other.len()) as u32;
+        self.counts.bag_distance(counts, length_difference) < limit
+            && self.distance_below(other, limit).is_some()
     }
 
     /// The distance if it is less than a limit.

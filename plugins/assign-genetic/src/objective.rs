@@ -89,7 +89,7 @@ impl Evaluated {
         let mut next = Evaluated { genes, topology, ..self.clone() };
         let mut change = Change::between(self, &next);
         for site in 0..next.genes.len() {
-            if change.may_read_differently(self, &next, site) {
+            if change.touched[site] {
                 next.table[site] = next.make_entry(site);
                 change.relisted[site] =
                     change.changed[site] || next.table_entry(site) != self.table_entry(site);
@@ -97,7 +97,7 @@ impl Evaluated {
         }
         let patterns = Patterns::new(self, &next, &change);
         for site in 0..next.genes.len() {
-            if change.may_read_differently(self, &next, site) || patterns.is_disturbed(next.genes[site]) {
+            if change.touched[site] || patterns.is_disturbed(next.genes[site]) {
                 next.verdicts[site] = Arc::new(next.judge(site, self, &change, &patterns));
             }
         }
@@ -143,10 +143,10 @@ impl Evaluated {
     fn judge(&self, site: usize, before: &Evaluated, change: &Change, patterns: &Patterns) -> Vec<Verdict> {
         let Some(own) = &self.table[site] else { return Vec::new() };
         let (members, disturbed) = patterns.rivals(self.genes[site]);
-        let afresh = change.relisted[site] || !change.has_same_sightings(before, self, site);
+        let afresh = change.relisted[site] || !Change::has_same_sightings(before, self, site);
         let mut sequence = Vec::new();
         let judge = |(k, ring): (usize, &[u32])| {
-            let same = !afresh && !ring.iter().any(|&neighbour| change.changed[neighbour as usize]);
+            let same = !afresh && (!change.touched[site] || change.spares(ring));
             let known = same.then(|| before.verdicts[site][k]);
             let rivals = match known {
                 Some(Verdict { mistaken_for: Some(rival), .. }) if change.relisted[rival as usize] => members,
@@ -178,33 +178,42 @@ impl Evaluated {
 struct Change {
     /// Sites of another gene.
     changed: Vec<bool>,
-    /// Sites of another gene or table entry.
+    /// Sites of which any sequence seen, or the own pattern, may not be as before.
+    touched: Vec<bool>,
+    /// Sites of another gene or table entry; filled in as the table is made.
     relisted: Vec<bool>,
 }
 
 impl Change {
-    /// Compares the genes; the table is compared as it is made.
     fn between(before: &Evaluated, after: &Evaluated) -> Change {
         let changed: Vec<bool> = std::iter::zip(&before.genes, &after.genes).map(|(a, b)| a != b).collect();
-        Change { relisted: vec![false; changed.len()], changed }
+        let sites = 0..changed.len();
+        let mut change = Change { relisted: vec![false; changed.len()], touched: Vec::new(), changed };
+        let is_touched = |site: usize| {
+            change.changed[site]
+                || !Change::has_same_sightings(before, after, site)
+                || !change.spares(&after.topology.sightings(site).around)
+        };
+        change.touched = sites.map(is_touched).collect();
+        change
     }
 
-    fn has_same_sightings(&self, before: &Evaluated, after: &Evaluated, site: usize) -> bool {
+    fn has_same_sightings(before: &Evaluated, after: &Evaluated, site: usize) -> bool {
         Arc::ptr_eq(before.topology.sightings(site), after.topology.sightings(site))
     }
 
-    /// Whether any sequence seen of a site, its own pattern included, may not be as before.
-    fn may_read_differently(&self, before: &Evaluated, after: &Evaluated, site: usize) -> bool {
-        let around = &after.topology.sightings(site).around;
-        self.changed[site]
-            || !self.has_same_sightings(before, after, site)
-            || around.iter().any(|&neighbour| self.changed[neighbour as usize])
+    /// Whether none of these sites has another gene.
+    fn spares(&self, sites: &[u32]) -> bool {
+        !sites.iter().any(|&site| self.changed[site as usize])
     }
 }
 
 /// The first sixteen symbols as one number, in the order of the sequences: what sorting looks at before the sequences.
 fn leading_symbols(sequence: &[u8]) -> u64 {
-    (0..16).fold(0, |number, k| number << 4 | u64::from(sequence.get(k).copied().unwrap_or(0)))
+    let leading = &sequence[..sequence.len().min(16)];
+    let number = leading.iter().fold(0, |number, &symbol| number << 4 | u64::from(symbol));
+    // Shorter sequences come before those they begin.
+    if leading.is_empty() { 0 } else { number << (4 * (16 - leading.len())) }
 }
 
 /// Markers by pattern.

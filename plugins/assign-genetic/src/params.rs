@@ -56,7 +56,7 @@ impl Default for Params {
             offspring: 8,
             crossover_share: 0.2,
             mutation_rate: 0.002,
-            drop_share: 0.05,
+            drop_share: 0.1,
             bit_rate_hz: 350.0,
             degree: 4,
             companion_bits: 3,

@@ -107,7 +107,7 @@ impl Default for Params {
             frequency: 4,
             view_distance_mm: 1000.0,
             lowest_view_deg: -90.0,
-            spacing_mm: 12.0,
+            spacing_mm: 12.5,
             spacing_along: Along::Surface,
             order: Order::Random,
             emission_limit_deg: 60.0,
