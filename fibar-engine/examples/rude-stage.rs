@@ -1,6 +1,6 @@
 //! A stage that misbehaves in the way its parameter says. It speaks the protocol by hand, so that it can break it.
 //!
-//! The first of `/work/in` and friends it can name are the paths of a run; what it must not reach is given by parameters.
+//! The first of `/stage/in` and friends it can name are the paths of a run; what it must not reach is given by parameters.
 
 use serde_json::{Value, json};
 use std::io::{BufRead, Write};

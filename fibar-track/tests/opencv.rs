@@ -73,7 +73,7 @@ fn python() -> Option<PathBuf> {
     let folder =
         std::env::var_os("FIBAR_PEERS").map_or_else(|| checkout().join("target/peers"), PathBuf::from);
     if folder.join("vision.stamp").exists() {
-        return Some(folder.join("python-vision/bin/python"));
+        return Some(folder.join("vision/bin/python"));
     }
     let must = std::env::var("CI").is_ok_and(|ci| ci == "true");
     assert!(!must, "OpenCV cannot run: the peers are not set up");

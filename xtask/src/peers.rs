@@ -13,7 +13,8 @@ pub fn ensure(checkout: &Checkout) -> Result<std::path::PathBuf, Failure> {
     std::fs::create_dir_all(&folder).map_err(|e| format!("cannot make {}: {e}", folder.display()))?;
     let must = std::env::var("CI").is_ok_and(|ci| ci == "true");
     for (name, result) in [
-        ("lib3mf and others from PyPI", ensure_python(checkout, &folder)),
+        ("lib3mf from PyPI", ensure_python(checkout, &folder, "python", "requirements.txt")),
+        ("OpenCV from PyPI", ensure_python(checkout, &folder, "vision", "requirements-vision.txt")),
         ("gltf-validator from npm", ensure_npm(checkout, &folder)),
         ("prusa-slicer from Debian", ensure_prusa_slicer()),
     ] {
@@ -26,11 +27,11 @@ pub fn ensure(checkout: &Checkout) -> Result<std::path::PathBuf, Failure> {
     Ok(folder)
 }
 
-/// A virtual environment with the hash-pinned packages of `tests/peers/requirements.txt`.
-fn ensure_python(checkout: &Checkout, folder: &Path) -> Result<(), String> {
-    let requirements = checkout.path("tests/peers/requirements.txt");
-    once(&folder.join("python.stamp"), &requirements, || {
-        let environment = folder.join("python");
+/// A virtual environment of this name with the hash-pinned packages of a list in `tests/peers`.
+fn ensure_python(checkout: &Checkout, folder: &Path, name: &str, list: &str) -> Result<(), String> {
+    let requirements = checkout.path("tests/peers").join(list);
+    once(&folder.join(format!("{name}.stamp")), &requirements, || {
+        let environment = folder.join(name);
         eprintln!("xtask: setting up {} (once)", environment.display());
         run_quietly(Command::new("python3").args(["-m", "venv", "--clear"]).arg(&environment))?;
         let mut pip = Command::new(environment.join("bin/python"));

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::process::Command;
 
 /// Where a stage would find its private folder.
-pub const WORK: &str = "/work";
+pub const WORK: &str = "/stage";
 
 /// Where a stage's plugin would lie.
 pub const PLUGIN: &str = "/plugin";

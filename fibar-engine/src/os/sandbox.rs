@@ -21,7 +21,7 @@ use std::process::Command;
 use std::sync::OnceLock;
 
 /// Where a stage finds its private folder.
-pub const WORK: &str = "/work";
+pub const WORK: &str = "/stage";
 
 /// Where a stage's plugin lies.
 pub const PLUGIN: &str = "/plugin";

@@ -90,7 +90,7 @@ fn check_confined(lines: &str, expected: &str) {
 #[test]
 fn a_stage_in_a_sandbox_sees_nothing_of_the_user() {
     for (path, seen) in
-        [("in/text", true), ("/work/out", true), ("/etc/hostname", false), ("/home", false), ("/sys", false)]
+        [("in/text", true), ("/stage/out", true), ("/etc/hostname", false), ("/home", false), ("/sys", false)]
     {
         check_confined(&format!("how = 'look'\ntarget = '{path}'"), &seen.to_string());
     }

@@ -54,6 +54,9 @@ pub(super) fn enter(plan: &Plan, parent: pid_t, then: Then) -> Result<()> {
     Ok(())
 }
 
+/// Folders of the new root that stages may write to, kept in memory.
+const MEMORY: [&CStr; 2] = [c"dev/shm", c"tmp"];
+
 /// Puts the new root together and moves into it.
 fn build(plan: &Plan) -> Result<()> {
     mount(None, c"/", None, libc::MS_REC | libc::MS_PRIVATE, None)?;
@@ -62,6 +65,10 @@ fn build(plan: &Plan) -> Result<()> {
     check(unsafe { libc::chdir(plan.root.as_ptr()) })?;
     for folder in &plan.folders {
         check(unsafe { libc::mkdir(folder.as_ptr(), 0o755) })?;
+        // At once: what is made below it later must not be hidden.
+        if MEMORY.contains(&folder.as_c_str()) {
+            mount(Some(c"none"), folder, Some(c"tmpfs"), libc::MS_NOSUID | libc::MS_NODEV, None)?;
+        }
     }
     for file in &plan.files {
         let fd = check(unsafe { libc::open(file.as_ptr(), libc::O_CREAT | libc::O_CLOEXEC, 0o644) })?;
@@ -70,9 +77,6 @@ fn build(plan: &Plan) -> Result<()> {
     for (target, name) in &plan.links {
         check(unsafe { libc::symlink(target.as_ptr(), name.as_ptr()) })?;
     }
-    for folder in [c"dev/shm", c"tmp"] {
-        mount(Some(c"none"), folder, Some(c"tmpfs"), libc::MS_NOSUID | libc::MS_NODEV, None)?;
-    }
     plan.binds.iter().try_for_each(bind)?;
     // While the old root is still there: the kernel shows the new processes only to who could see the old ones.
     let flags = libc::MS_NOSUID | libc::MS_NODEV | libc::MS_NOEXEC;
@@ -80,7 +84,7 @@ fn build(plan: &Plan) -> Result<()> {
     check_long(unsafe { libc::syscall(libc::SYS_pivot_root, c".".as_ptr(), c".".as_ptr()) })?;
     check(unsafe { libc::umount2(c".".as_ptr(), libc::MNT_DETACH) })?;
     protect(c"/", 0)?;
-    check(unsafe { libc::chdir(c"/work".as_ptr()) })?;
+    check(unsafe { libc::chdir(c"/stage".as_ptr()) })?;
     Ok(())
 }
 
