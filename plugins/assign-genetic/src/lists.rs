@@ -15,8 +15,13 @@ impl Lists {
 
     /// List `k`.
     pub fn get(&self, k: usize) -> &[u32] {
+        &self.items[self.range(k)]
+    }
+
+    /// Where list `k` is among all numbers.
+    pub fn range(&self, k: usize) -> std::ops::Range<usize> {
         let start = if k == 0 { 0 } else { self.ends[k - 1] as usize };
-        &self.items[start..self.ends[k] as usize]
+        start..self.ends[k] as usize
     }
 
     /// Adds a list.

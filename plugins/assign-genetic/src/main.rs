@@ -12,6 +12,7 @@ mod levenshtein;
 mod lists;
 mod objective;
 mod params;
+mod reading;
 mod topology;
 
 use fibar_core::artefact::Document;

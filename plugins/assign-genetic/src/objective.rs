@@ -6,7 +6,8 @@
 //! does not depend on the way it was reached, to the bit.
 
 use crate::image::Images;
-use crate::levenshtein::{Counts, Needle, SYMBOLS};
+use crate::levenshtein::{Needle, SYMBOLS};
+use crate::reading::Reading;
 use crate::topology::Topology;
 use std::sync::Arc;
 
@@ -38,6 +39,7 @@ pub struct Evaluated {
     /// `Σ_v E_rcg(v) · E_mseq(v)`.
     pub objective: f64,
     topology: Arc<Topology>,
+    readings: Vec<Arc<Reading>>,
     table: Vec<Option<Arc<Needle>>>,
     verdicts: Vec<Arc<Vec<Verdict>>>,
 }
@@ -72,6 +74,7 @@ impl Evaluated {
             genes: vec![0; count],
             objective: 0.0,
             topology: Arc::new(Topology::blank(images)),
+            readings: vec![Arc::default(); count],
             table: vec![None; count],
             verdicts: vec![Arc::default(); count],
         }
@@ -90,7 +93,10 @@ impl Evaluated {
         let mut change = Change::between(self, &next);
         for site in 0..next.genes.len() {
             if change.touched[site] {
-                next.table[site] = next.make_entry(site);
+                let reading = Reading::new(next.topology.sightings(site), &next.genes);
+                let entry = reading.most_frequent(next.topology.sightings(site));
+                next.table[site] = entry.map(|sequence| Arc::new(Needle::new(sequence)));
+                next.readings[site] = Arc::new(reading);
                 change.relisted[site] =
                     change.changed[site] || next.table_entry(site) != self.table_entry(site);
             }
@@ -119,58 +125,35 @@ impl Evaluated {
         tallies
     }
 
-    /// The sequence that most views see of a marker; of equals the first in order, as `recognition::most_frequent` has it.
-    fn make_entry(&self, site: usize) -> Option<Arc<Needle>> {
-        let sightings = self.topology.sightings(site);
-        let symbols: Vec<u8> = sightings.rings.items().iter().map(|&k| self.genes[k as usize]).collect();
-        let mut rest = symbols.as_slice();
-        let read = |(ring, views): (&[u32], &[u32])| {
-            let (sequence, others) = rest.split_at(ring.len());
-            rest = others;
-            (leading_symbols(sequence), sequence, views.len())
-        };
-        let mut counted: Vec<(u64, &[u8], usize)> =
-            std::iter::zip(sightings.rings.iter(), sightings.views.iter()).map(read).collect();
-        counted.sort_unstable();
-        let votes = |same: &&[(u64, &[u8], usize)]| same.iter().map(|(.., count)| count).sum::<usize>();
-        // `max_by_key` takes the last of equals: walk backwards to get the first.
-        let best = counted.chunk_by(|a, b| a.1 == b.1).rev().max_by_key(votes)?;
-        Some(Arc::new(Needle::new(best[0].1)))
-    }
-
     /// Looks up every sighting of a marker: in the whole table where it or the marker's own entry is not as before, else
     /// among the entries that are not.
     fn judge(&self, site: usize, before: &Evaluated, change: &Change, patterns: &Patterns) -> Vec<Verdict> {
         let Some(own) = &self.table[site] else { return Vec::new() };
         let (members, disturbed) = patterns.rivals(self.genes[site]);
+        let sightings = self.topology.sightings(site);
         let afresh = change.relisted[site] || !Change::has_same_sightings(before, self, site);
-        let mut sequence = Vec::new();
-        let judge = |(k, ring): (usize, &[u32])| {
-            let same = !afresh && (!change.touched[site] || change.spares(ring));
-            let known = same.then(|| before.verdicts[site][k]);
+        let judge = |k: usize| {
+            let (sequence, counts) = self.readings[site].sequence(sightings, k);
+            let same = || !change.touched[site] || before.readings[site].sequence(sightings, k).0 == sequence;
+            let known = (!afresh && same()).then(|| before.verdicts[site][k]);
             let rivals = match known {
                 Some(Verdict { mistaken_for: Some(rival), .. }) if change.relisted[rival as usize] => members,
-                Some(verdict) if verdict.mistaken_for.is_some() || disturbed.is_empty() => return verdict,
+                Some(verdict) if verdict.mistaken_for.is_some() => return verdict,
                 Some(_) => disturbed,
                 None => members,
             };
-            sequence.clear();
-            sequence.extend(ring.iter().map(|&neighbour| self.genes[neighbour as usize]));
-            let distance = known.map_or_else(|| own.distance(&sequence), |verdict| verdict.distance);
-            Verdict { distance, mistaken_for: self.find_rival(site, &sequence, distance, rivals) }
+            let distance = known.map_or_else(|| own.distance(sequence), |verdict| verdict.distance);
+            // The first of equals wins the lookup.
+            let limit = |rival: u32| distance + u32::from((rival as usize) < site);
+            let wins = |rival: u32| {
+                self.table[rival as usize]
+                    .as_ref()
+                    .is_some_and(|e| e.is_nearer(sequence, counts, limit(rival)))
+            };
+            let mistaken_for = rivals.iter().copied().find(|&rival| rival as usize != site && wins(rival));
+            Verdict { distance, mistaken_for }
         };
-        self.topology.sightings(site).rings.iter().enumerate().map(judge).collect()
-    }
-
-    /// A marker that the lookup prefers to the right one, whose entry is at the given distance; the first of equals wins.
-    fn find_rival(&self, site: usize, sequence: &[u8], distance: u32, rivals: &[u32]) -> Option<u32> {
-        let counts = Counts::of(sequence);
-        let wins = |rival: u32| {
-            let entry = self.table[rival as usize].as_ref().expect("rivals are markers that are seen");
-            let limit = distance + u32::from((rival as usize) < site);
-            entry.is_nearer(sequence, &counts, limit)
-        };
-        rivals.iter().copied().find(|&rival| rival as usize != site && wins(rival))
+        (0..sightings.rings.len()).map(judge).collect()
     }
 }
 
@@ -206,14 +189,6 @@ impl Change {
     fn spares(&self, sites: &[u32]) -> bool {
         !sites.iter().any(|&site| self.changed[site as usize])
     }
-}
-
-/// The first sixteen symbols as one number, in the order of the sequences: what sorting looks at before the sequences.
-fn leading_symbols(sequence: &[u8]) -> u64 {
-    let leading = &sequence[..sequence.len().min(16)];
-    let number = leading.iter().fold(0, |number, &symbol| number << 4 | u64::from(symbol));
-    // Shorter sequences come before those they begin.
-    if leading.is_empty() { 0 } else { number << (4 * (16 - leading.len())) }
 }
 
 /// Markers by pattern.
