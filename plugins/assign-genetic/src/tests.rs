@@ -71,7 +71,10 @@ fn a_small_case_ends_at_the_best_of_all_chromosomes() {
     let genes = |code: u32| (0..6).map(|k| (code / 4u32.pow(k) % 4) as u8).collect::<Vec<u8>>();
     let value = |code| blank.changed_to(genes(code), &images, &rules).objective;
     let best = (0..4u32.pow(6)).map(value).fold(f64::MIN, f64::max);
-    let thorough = params(|p| (p.population, p.offspring, p.drop_share) = (40, 20, 0.2));
+    let thorough = params(|p| {
+        (p.population, p.offspring, p.stop_after) = (40, 20, 300);
+        (p.mutation_rate, p.drop_share) = (0.3, 0.2);
+    });
     assert_eq!(find(&images, 3, &thorough).best.objective, best);
 }
 
