@@ -16,7 +16,7 @@ pub struct Demo {
 }
 
 impl Demo {
-    /// Plugins, a source file of 2 MB, and a recipe of stages that take a few hundredths of a second each.
+    /// Plugins, a source file of 256 kB, and a recipe of stages that take a few hundredths of a second each.
     pub fn new() -> Demo {
         let shop = Workshop::default();
         std::fs::create_dir(shop.path().join("plugins")).unwrap();
@@ -25,7 +25,7 @@ impl Demo {
             let copied = std::fs::copy(&stages, shop.path().join("plugins").join(name));
             copied.unwrap_or_else(|e| panic!("{}: {e}; run the tests by cargo xtask test", stages.display()));
         }
-        shop.write("big.txt", "0123456789abcdef".repeat(128 << 10));
+        shop.write("big.txt", "0123456789abcdef".repeat(16 << 10));
         shop.write("demo.toml", recipe());
         Demo { shop }
     }
