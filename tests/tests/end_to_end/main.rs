@@ -4,3 +4,4 @@ mod bad_input;
 mod bunny;
 mod pebble;
 mod peers;
+mod recipes;
