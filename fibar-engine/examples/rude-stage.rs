@@ -42,6 +42,12 @@ fn behave(text: impl AsRef<[u8]>) {
     done("out.txt");
 }
 
+#[expect(clippy::zombie_processes, reason = "the host has to end it")]
+fn leave_a_child() {
+    std::process::Command::new("sleep").arg("600").spawn().expect("sleep is there");
+    forever()
+}
+
 fn forever() -> ! {
     loop {
         std::thread::sleep(Duration::from_secs(1));
@@ -69,10 +75,7 @@ fn run(params: &Value) {
         "flood without newline" => flood_a_line(),
         "garbage" => println!("hello there"),
         "stall" => forever(),
-        "stall after a child" => {
-            std::process::Command::new("sleep").arg("600").spawn().expect("sleep is there");
-            forever()
-        }
+        "stall after a child" => leave_a_child(),
         "die" => std::process::exit(3),
         "crash" => std::process::abort(),
         "half" => {
