@@ -46,6 +46,7 @@
 //!
 //! Run by hand, `echo --help` explains the stage and its parameters, and `echo --request FILE` does one run.
 
+mod direction;
 mod error;
 mod help;
 mod input_file;
@@ -54,6 +55,7 @@ mod line;
 mod serve;
 mod stage;
 
+pub use direction::Direction;
 pub use error::StageError;
 pub use fibar_core::protocol::{Description, Violation};
 pub use input_file::InputFile;

@@ -104,7 +104,7 @@ impl Kernel<'_> {
             chord_error_mm: self.params.chord_error_mm,
             angle_rad: self.params.angle_deg.to_radians(),
             scale: self.params.scale,
-            turn: self.params.up.z_up_from_shape(),
+            turn: self.params.up.turn_to_z(),
             size_mm: self.params.size_mm,
             threads: job.threads(),
         })

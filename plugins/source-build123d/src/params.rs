@@ -1,6 +1,6 @@
 //! What a recipe can say.
 
-use fibar_plugin::{InputFile, StageError};
+use fibar_plugin::{Direction, InputFile, StageError};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -65,47 +65,6 @@ pub enum Value {
     Numbers(Vec<f64>),
     /// Texts in a list.
     Texts(Vec<String>),
-}
-
-/// An axis with its sign.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize, schemars::JsonSchema)]
-pub enum Direction {
-    /// +X.
-    #[serde(rename = "+x")]
-    PlusX,
-    /// −X.
-    #[serde(rename = "-x")]
-    MinusX,
-    /// +Y.
-    #[serde(rename = "+y")]
-    PlusY,
-    /// −Y.
-    #[serde(rename = "-y")]
-    MinusY,
-    /// +Z.
-    #[serde(rename = "+z")]
-    PlusZ,
-    /// −Z.
-    #[serde(rename = "-z")]
-    MinusZ,
-}
-
-impl Direction {
-    /// Rows of the rotation by right angles that turns this axis to +Z and keeps +X, where it can; as in `source-mesh`.
-    pub fn z_up_from_shape(self) -> [[f64; 3]; 3] {
-        const X: [f64; 3] = [1.0, 0.0, 0.0];
-        const Y: [f64; 3] = [0.0, 1.0, 0.0];
-        const Z: [f64; 3] = [0.0, 0.0, 1.0];
-        let minus = |axis: [f64; 3]| axis.map(|x| 0.0 - x);
-        match self {
-            Direction::PlusZ => [X, Y, Z],
-            Direction::MinusZ => [X, minus(Y), minus(Z)],
-            Direction::PlusY => [X, minus(Z), Y],
-            Direction::MinusY => [X, Z, minus(Y)],
-            Direction::PlusX => [minus(Z), Y, X],
-            Direction::MinusX => [Z, Y, minus(X)],
-        }
-    }
 }
 
 /// Extensions of the files that can be read.

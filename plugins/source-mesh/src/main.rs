@@ -6,8 +6,8 @@ mod placement;
 mod reader;
 
 use fibar_core::artefact::mesh::TriangleMesh;
-use fibar_plugin::{Description, InputFile, Job, Stage, StageError, serve};
-use placement::{Direction, Placement, Unit};
+use fibar_plugin::{Description, Direction, InputFile, Job, Stage, StageError, serve};
+use placement::{Placement, Unit};
 use reader::ReadError;
 use std::path::Path;
 

@@ -1,6 +1,7 @@
 //! From the file's coordinates to mm with +Z up: units, axis, turn, size.
 
 use fibar_core::artefact::mesh::TriangleMesh;
+use fibar_plugin::Direction;
 use glam::{DMat3, DVec3};
 use serde::{Deserialize, Serialize};
 
@@ -26,27 +27,11 @@ pub enum Unit {
     Inch,
 }
 
-/// An axis with its sign.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize, schemars::JsonSchema)]
-pub enum Direction {
-    #[serde(rename = "+x")]
-    PlusX,
-    #[serde(rename = "-x")]
-    MinusX,
-    #[serde(rename = "+y")]
-    PlusY,
-    #[serde(rename = "-y")]
-    MinusY,
-    #[serde(rename = "+z")]
-    PlusZ,
-    #[serde(rename = "-z")]
-    MinusZ,
-}
-
 impl Placement {
     /// Rotates, then scales; the error says what is wrong with the mesh's size.
     pub fn apply(&self, mut mesh: TriangleMesh) -> Result<TriangleMesh, String> {
-        let object_from_file = turn(self.turn_deg) * self.up.z_up_from_file() * self.mm_per_unit;
+        let z_up_from_file = DMat3::from_cols_array_2d(&self.up.turn_to_z()).transpose();
+        let object_from_file = turn(self.turn_deg) * z_up_from_file * self.mm_per_unit;
         mesh.vertices.iter_mut().for_each(|v| *v = object_from_file * *v);
         let (low, high) = mesh.bounds().ok_or("the file holds no vertex")?;
         let size = high - low;
@@ -69,21 +54,6 @@ impl Unit {
             Unit::Cm => 10.0,
             Unit::M => 1000.0,
             Unit::Inch => 25.4,
-        }
-    }
-}
-
-impl Direction {
-    /// The rotation by right angles that turns this axis to +Z and keeps +X, where it can.
-    fn z_up_from_file(self) -> DMat3 {
-        let rows = |x: DVec3, y: DVec3, z: DVec3| DMat3::from_cols(x, y, z).transpose();
-        match self {
-            Direction::PlusZ => DMat3::IDENTITY,
-            Direction::MinusZ => rows(DVec3::X, -DVec3::Y, -DVec3::Z),
-            Direction::PlusY => rows(DVec3::X, -DVec3::Z, DVec3::Y),
-            Direction::MinusY => rows(DVec3::X, DVec3::Z, -DVec3::Y),
-            Direction::PlusX => rows(-DVec3::Z, DVec3::Y, DVec3::X),
-            Direction::MinusX => rows(DVec3::Z, DVec3::Y, -DVec3::X),
         }
     }
 }
@@ -125,13 +95,7 @@ mod tests {
     }
 
     #[test]
-    fn every_direction_is_a_rotation() {
-        use Direction::*;
-        for up in [PlusX, MinusX, PlusY, MinusY, PlusZ, MinusZ] {
-            let rotation = up.z_up_from_file();
-            assert_eq!(rotation.determinant(), 1.0);
-            assert_eq!(rotation * rotation.transpose(), DMat3::IDENTITY);
-        }
+    fn turns_are_rotations() {
         assert!((turn(37.0).determinant() - 1.0).abs() < 1e-15);
     }
 
