@@ -3,6 +3,7 @@
 //! Readers take bytes and writers give bytes; files are the caller's. JSON artefacts carry `format`, `"fibar.routes/1"`
 //! say, and unknown keys are errors. All lengths mm, all places in the body's frame: base at z = 0, +Z up.
 
+pub mod bounds;
 pub mod constellation;
 pub mod mesh;
 pub mod routes;
