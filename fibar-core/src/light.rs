@@ -2,7 +2,7 @@
 //!
 //! Tone 2020, eqs. for `T_f`, `a` and `d_cam`: absorption `a(r) = c1 + c2·exp(−c3·r)` per mm for a bend of radius `r` mm,
 //! and `d_cam = c5·exp(−½∫a ds)`. The data behind the fit end at r = 20 mm; everything below is extrapolated. Routers and
-//! verifiers integrate the law each with code of their own.
+//! verifiers integrate the law each with code of their own. [`LedBeam`] says how an LED shines into the fibres under it.
 
 use serde::{Deserialize, Serialize};
 
@@ -35,5 +35,30 @@ impl LightLaw {
 impl Default for LightLaw {
     fn default() -> Self {
         LightLaw::TONE_2020
+    }
+}
+
+/// The beam of an LED, and which of it a core takes: what decides how fibres of one LED share its light.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LedBeam {
+    /// Radius of the LED's dome, mm: nothing shines beside it.
+    pub dome_radius_mm: f64,
+    /// Angle off the axis at which the intensity has fallen to one half, degrees.
+    pub half_angle_deg: f64,
+    /// Sine of the widest angle in air that a core still guides: `√(n_core² − n_cladding²)`.
+    pub numerical_aperture: f64,
+}
+
+impl LedBeam {
+    /// OSI3CA5111A in its 5 mm package, RGD810 (1.47) in SUP706 (1.43). The paper names the LED but not its beam: 15° between
+    /// half intensities is what the maker's 5111A family is sold with.
+    pub const TONE_2020: LedBeam =
+        LedBeam { dome_radius_mm: 2.5, half_angle_deg: 7.5, numerical_aperture: 0.3406 };
+}
+
+impl Default for LedBeam {
+    fn default() -> Self {
+        LedBeam::TONE_2020
     }
 }

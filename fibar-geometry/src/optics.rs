@@ -5,8 +5,10 @@
 //! a kink is free. The **monotone** one continues it below `r*` by `r*·a(r*)/r`, so that a bend costs by the radian there
 //! and a kink as much as the costliest bend. Both are extrapolated below 20 mm.
 //!
-//! [`Throughput`] integrates either along the exact curve; [`discrete`] is the paper's own estimate from control points.
+//! [`Throughput`] integrates either along the exact curve; [`discrete`] is the paper's own estimate from control points;
+//! [`coupling`] is how the fibres of one LED share its light.
 
+pub mod coupling;
 pub mod discrete;
 mod kronrod;
 
