@@ -55,12 +55,12 @@ impl Store {
     /// Opens the store in a folder, making what is missing.
     pub fn open(root: &Path) -> crate::Result<Store> {
         let root = std::path::absolute(root).context("find", root)?;
+        for folder in ["cas", "actions", "locks", "descriptions", "work", "quarantine", "tmp"] {
+            let folder = root.join(folder);
+            std::fs::create_dir_all(&folder).context("make the folder", &folder)?;
+        }
         let format = root.join("format");
         if std::fs::read_to_string(&format).ok().as_deref() != Some(STORE_FORMAT) {
-            for folder in ["cas", "actions", "locks", "descriptions", "work", "quarantine", "tmp"] {
-                let folder = root.join(folder);
-                std::fs::create_dir_all(&folder).context("make the folder", &folder)?;
-            }
             refuse_other_formats(&format)?;
         }
         let stats = StatCache::load(&root.join("stat-cache"));

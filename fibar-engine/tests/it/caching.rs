@@ -54,6 +54,17 @@ fn a_blob_that_is_gone_is_built_again() {
 }
 
 #[test]
+fn a_folder_of_the_store_that_is_gone_is_made_again() {
+    let bench = Bench::new();
+    let recipe = book("", "", "");
+    bench.runs(&recipe, &ALL);
+    for (folder, again) in [("descriptions", &[][..]), ("locks", &[]), ("tmp", &[]), ("actions", &ALL)] {
+        std::fs::remove_dir_all(bench.path("store").join(folder)).unwrap();
+        bench.runs(&recipe, again);
+    }
+}
+
+#[test]
 fn a_flipped_byte_is_found_and_mended() {
     let bench = Bench::new();
     let recipe = book("text = 'bye'", "", "");
