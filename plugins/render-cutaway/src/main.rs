@@ -4,19 +4,15 @@
 //! role; through the filler one sees the fibres behind the plane, coloured by LED. Lower row: all fibres inside the
 //! object's outline, from the same two sides. Orthographic, drawn from the finished solids alone.
 
-mod canvas;
-mod palette;
 mod panel;
-mod view;
 
-use canvas::Canvas;
 use fibar_core::artefact::Document;
 use fibar_core::artefact::mesh::TriangleMesh;
 use fibar_core::artefact::solids::{INDEX_FILE, Solid, Solids};
+use fibar_picture::{Canvas, View};
 use fibar_plugin::{Description, Job, Stage, StageError, serve};
 use glam::DVec3;
 use panel::Panel;
-use view::View;
 
 #[derive(serde::Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields, default)]
@@ -62,8 +58,8 @@ impl Stage for RenderCutaway {
         for (column, toward) in [DVec3::Y, DVec3::NEG_X].into_iter().enumerate() {
             let view = View::new(toward, bounds, side);
             job.progress(column as f64 / 2.0, "drawing")?;
-            canvas.paste(&Panel::cut_open(&parts, &view, params.cut), column * side, 0);
-            canvas.paste(&Panel::seen_through(&parts, &view), column * side, side);
+            canvas.paste(&Panel::cut_open(&parts, &view, params.cut), [column * side, 0]);
+            canvas.paste(&Panel::seen_through(&parts, &view), [column * side, side]);
         }
         job.write("picture", "cutaway.png", &canvas.to_png())
     }

@@ -4,11 +4,11 @@
 //! ray: then the plane's point is inside. So the cut face needs no boolean.
 
 use crate::Part;
-use crate::canvas::Canvas;
-use crate::palette::{BACKGROUND, Colour, led_colour, mix, role_colour};
-use crate::view::View;
+use fibar_core::LedId;
 use fibar_core::material::Role;
-use glam::{DVec2, DVec3};
+use fibar_picture::colour::{Colour, PAPER, hue, mix, role as role_colour, shade};
+use fibar_picture::raster::{self, Fragment};
+use fibar_picture::{Canvas, Drawing, View};
 
 /// The two ways to look at the object.
 pub struct Panel;
@@ -37,24 +37,20 @@ impl Panel {
                     role_colour(Role::Filler),
                     0.75,
                 ),
-                None => behind(parts, &layers, pixel, BACKGROUND),
+                None => behind(parts, &layers, pixel, PAPER),
             }
         })
     }
 
     /// All fibres, inside the pale shape of the object.
     pub fn seen_through(parts: &[Part], view: &View) -> Canvas {
-        let layers: Vec<Layer> =
-            parts.iter().map(|part| Layer::draw(part, view, f64::NEG_INFINITY)).collect();
-        Canvas::painted(view.side, view.side, |pixel| {
-            let shapes = std::iter::zip(parts, &layers).filter(|(part, _)| part.solid.role == Role::Skin);
-            let paper = shapes
-                .filter(|(_, layer)| layer.depth[pixel].is_finite())
-                .fold(BACKGROUND, |_, (_, layer)| {
-                    mix([0.80, 0.84, 0.88], BACKGROUND, 1.0 - 0.75 * layer.facing[pixel])
-                });
-            nearest(parts, &layers, pixel, |role| role == Role::Black).unwrap_or(paper)
-        })
+        let mut drawing = Drawing::new(*view);
+        let of = |role: Role| parts.iter().filter(move |part| part.solid.role == role);
+        for part in of(Role::Black) {
+            drawing.mesh(&part.mesh, |_| solid_colour(part));
+        }
+        of(Role::Skin).for_each(|part| drawing.ghost(&part.mesh));
+        drawing.into_canvas()
     }
 }
 
@@ -69,11 +65,15 @@ fn nearest(parts: &[Part], layers: &[Layer], pixel: usize, wanted: impl Fn(Role)
     let seen =
         std::iter::zip(parts, layers).filter(|(p, l)| wanted(p.solid.role) && l.depth[pixel].is_finite());
     let (part, layer) = seen.min_by(|a, b| a.1.depth[pixel].total_cmp(&b.1.depth[pixel]))?;
-    let light = 0.35 + 0.65 * layer.facing[pixel];
-    let colour = part.solid.led.map_or(role_colour(part.solid.role), led_colour);
-    Some(colour.map(|c| c * light))
+    Some(shade(solid_colour(part), layer.facing[pixel]))
 }
 
+/// What a part looks like from outside: its LED's hue, else its role's colour.
+fn solid_colour(part: &Part) -> Colour {
+    part.solid.led.map_or(role_colour(part.solid.role), led_colour)
+}
+
+/// What a part looks like where the plane cuts it.
 fn part_colour(part: &Part) -> Colour {
     match (part.solid.role, part.solid.led) {
         (Role::Core, Some(led)) => led_colour(led),
@@ -92,33 +92,15 @@ impl Layer {
         for triangle in 0..part.mesh.triangles.len() {
             let corners = part.mesh.corners(triangle);
             let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalize_or_zero();
-            layer.draw_triangle(corners.map(|c| view.project(c)), view.facing(normal), view.side, plane);
+            let facing = view.facing(normal);
+            raster::fill(corners.map(|c| view.project(c)), view.side, |fragment| {
+                layer.mark(fragment, facing, plane);
+            });
         }
         layer
     }
 
-    fn draw_triangle(&mut self, [a, b, c]: [DVec3; 3], facing: f64, side: usize, plane: f64) {
-        let (p, q, r) = (a.truncate(), b.truncate(), c.truncate());
-        let area = (q - p).perp_dot(r - p);
-        let range = |lo: f64, hi: f64| {
-            (lo - 0.5).ceil().max(0.0) as usize..=(hi - 0.5).floor().min(side as f64 - 1.0) as usize
-        };
-        let (lo, hi) = (p.min(q).min(r), p.max(q).max(r));
-        if area == 0.0 || hi.min_element() < 0.5 || lo.max_element() > side as f64 {
-            return;
-        }
-        for y in range(lo.y, hi.y) {
-            for x in range(lo.x, hi.x) {
-                let at = DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
-                if covers(p, q, at, area) && covers(q, r, at, area) && covers(r, p, at, area) {
-                    let (v, w) = ((at - p).perp_dot(r - p) / area, (q - p).perp_dot(at - p) / area);
-                    self.mark(y * side + x, a.z + v * (b.z - a.z) + w * (c.z - a.z), facing, plane);
-                }
-            }
-        }
-    }
-
-    fn mark(&mut self, pixel: usize, depth: f64, facing: f64, plane: f64) {
+    fn mark(&mut self, Fragment { pixel, depth, .. }: Fragment, facing: f64, plane: f64) {
         if depth < plane {
             return;
         }
@@ -129,13 +111,9 @@ impl Layer {
     }
 }
 
-/// Whether a point lies on the inner side of an edge; of two triangles that share the edge exactly one owns its points.
-fn covers(from: DVec2, to: DVec2, at: DVec2, area: f64) -> bool {
-    // Both triangles compute with the edge's ends in the same order, so that rounding cannot tell them apart.
-    let forward = (from.x, from.y) <= (to.x, to.y);
-    let (low, high) = if forward { (from, to) } else { (to, from) };
-    let left = (high - low).perp_dot(at - low) >= 0.0;
-    left == (forward == (area > 0.0))
+/// The LED's hue.
+fn led_colour(led: LedId) -> Colour {
+    hue(led.0 as usize)
 }
 
 #[cfg(test)]
@@ -143,6 +121,7 @@ mod tests {
     use super::*;
     use fibar_core::artefact::mesh::TriangleMesh;
     use fibar_core::artefact::solids::Solid;
+    use glam::DVec3;
 
     /// A box from −half to +half.
     fn part(half: DVec3) -> Part {

@@ -4,7 +4,6 @@
 //! lookup table was made from; visibility by its own rays; blobs with noise; markers missing at random. Decoding of bits
 //! is taken to have worked: a blob comes with its pattern.
 
-mod canvas;
 #[cfg(test)]
 mod fixture;
 mod occlusion;

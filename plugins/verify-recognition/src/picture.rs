@@ -5,15 +5,15 @@
 //! paper's lookup at the same roll, right, with none missing; dark blue 0, yellow 1. Below: the worst view as the camera saw
 //! it; markers named rightly green, wrongly red, not at all orange.
 
-use crate::canvas::{Canvas, Colour};
 use crate::params::Params;
 use crate::scene::Scene;
 use crate::tally::Tally;
 use crate::trial::{Trial, ViewReport};
+use fibar_picture::Canvas;
+use fibar_picture::colour::{Colour, scale};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
-const PAPER: Colour = [0.97, 0.97, 0.98];
 const MAP_PX: usize = 360;
 const MARGIN_PX: usize = 12;
 
@@ -21,7 +21,7 @@ const MARGIN_PX: usize = 12;
 pub fn draw(tally: &Tally, scene: &Scene, params: &Params) -> Vec<u8> {
     let (width, height) = (params.width_px as usize, params.height_px as usize);
     let total = (2 * MAP_PX + 3 * MARGIN_PX).max(width + 2 * MARGIN_PX);
-    let mut canvas = Canvas::new(total, MAP_PX + height + 3 * MARGIN_PX, PAPER);
+    let mut canvas = Canvas::new(total, MAP_PX + height + 3 * MARGIN_PX);
     let maps: [fn(&Trial) -> usize; 2] = [|t| t.ours, |t| t.paper_rolled];
     for (column, count) in maps.into_iter().enumerate() {
         let corner = DVec2::new((MARGIN_PX + column * (MAP_PX + MARGIN_PX)) as f64, MARGIN_PX as f64);
@@ -44,7 +44,8 @@ fn draw_map(canvas: &mut Canvas, corner: DVec2, tally: &Tally, middle: DVec3, co
         // Lambert: radius √(1 − z) puts the horizon at 1/√2 of the nadir's circle; the map shows down to −45°.
         let reach = ((1.0 - direction.z) / (1.0 + 0.5_f64.sqrt())).sqrt();
         let flat = direction.truncate().normalize_or_zero() * reach * radius;
-        canvas.disc(corner.x + radius + flat.x, corner.y + radius - flat.y, dot, scale(share(report)));
+        let at = corner + DVec2::new(radius + flat.x, radius - flat.y);
+        canvas.disc(at, dot, scale(share(report)));
     }
 }
 
@@ -66,9 +67,7 @@ fn draw_view(
         hit.map_or([1.0; 3], |(_, normal)| [0.25 + 0.6 * normal.dot(ray).abs(); 3])
     };
     let shades: Vec<Colour> = (0..width * height).into_par_iter().map(shade).collect();
-    for (k, colour) in shades.into_iter().enumerate() {
-        canvas.set(left + k % width, top + k / width, colour);
-    }
+    canvas.paste(&Canvas::painted(width, height, |k| shades[k]), [left, top]);
     for (sighting, name) in report.sightings.iter().zip(&report.trials[0].names) {
         let at = camera.project(pose.apply(scene.constellation.markers[sighting.marker].position));
         let colour = match name {
@@ -76,15 +75,8 @@ fn draw_view(
             Some(_) => [0.85, 0.1, 0.1],
             None => [0.95, 0.6, 0.0],
         };
-        canvas.disc(left as f64 + at.x, top as f64 + at.y, 5.0, [0.0; 3]);
-        canvas.disc(left as f64 + at.x, top as f64 + at.y, 3.8, colour);
+        let at = DVec2::new(left as f64, top as f64) + at;
+        canvas.disc(at, 5.0, [0.0; 3]);
+        canvas.disc(at, 3.8, colour);
     }
-}
-
-/// Dark blue 0, teal in between, yellow 1.
-fn scale(share: f64) -> Colour {
-    const STOPS: [Colour; 3] = [[0.27, 0.0, 0.33], [0.13, 0.57, 0.55], [0.99, 0.91, 0.14]];
-    let position = share.clamp(0.0, 1.0) * 2.0;
-    let (low, part) = if position < 1.0 { (0, position) } else { (1, position - 1.0) };
-    std::array::from_fn(|k| STOPS[low][k] * (1.0 - part) + STOPS[low + 1][k] * part)
 }
