@@ -79,6 +79,27 @@ impl Bvh {
         best
     }
 
+    /// Whether any triangle stands strictly between two points. A sight that grazes an edge may go either way.
+    pub fn blocks(&self, from: DVec3, to: DVec3) -> bool {
+        let mut stack = Vec::with_capacity(64);
+        stack.extend((!self.nodes.is_empty()).then_some(0));
+        while let Some(here) = stack.pop() {
+            let node: &Node = &self.nodes[here];
+            if !crosses_box(from, to, node.low, node.high) {
+                continue;
+            }
+            if node.second == 0 {
+                let leaf = &self.triangles[node.from as usize..node.to as usize];
+                if leaf.iter().any(|triangle| crosses_triangle(from, to, triangle)) {
+                    return true;
+                }
+            } else {
+                stack.extend([node.second as usize, here + 1]);
+            }
+        }
+        false
+    }
+
     fn search_leaf(&self, node: &Node, probe: &impl Probe, below: &mut f64, best: &mut Option<Hit>) {
         for k in node.from as usize..node.to as usize {
             if probe.at_least(&self.triangles[k]) >= *below {
@@ -91,6 +112,36 @@ impl Bvh {
             }
         }
     }
+}
+
+/// Whether a segment may meet a box: the separating axes of the box's sides and of their cross products with the segment.
+fn crosses_box(from: DVec3, to: DVec3, low: DVec3, high: DVec3) -> bool {
+    let (half, arm) = (0.5 * (high - low), 0.5 * (to - from));
+    let middle = 0.5 * (from + to) - 0.5 * (low + high);
+    let reach = arm.abs();
+    if middle.abs().cmpgt(half + reach).any() {
+        return false;
+    }
+    let (side, span) = (
+        middle.cross(arm).abs(),
+        DVec3::new(
+            half.y * reach.z + half.z * reach.y,
+            half.z * reach.x + half.x * reach.z,
+            half.x * reach.y + half.y * reach.x,
+        ),
+    );
+    !side.cmpgt(span * (1.0 + 1e-9) + 1e-9).any()
+}
+
+/// Whether the segment's ends lie on either side of the triangle's plane and the segment passes its three edges on one side:
+/// signs of volumes of tetrahedra.
+fn crosses_triangle(from: DVec3, to: DVec3, [a, b, c]: &Triangle) -> bool {
+    let volume = |p: DVec3, q: DVec3, r: DVec3, s: DVec3| (q - p).cross(r - p).dot(s - p);
+    if volume(*a, *b, *c, from) * volume(*a, *b, *c, to) >= 0.0 {
+        return false;
+    }
+    let sides = [(a, b), (b, c), (c, a)].map(|(p, q)| volume(from, to, *p, *q));
+    sides.iter().all(|s| *s >= 0.0) || sides.iter().all(|s| *s <= 0.0)
 }
 
 fn build(triangles: &[Triangle], order: &mut [u32], from: u32, nodes: &mut Vec<Node>) {
@@ -137,6 +188,23 @@ mod tests {
             [corner, corner + point(1.0), corner + point(1.0)]
         };
         (0..count).map(|_| triangle()).collect()
+    }
+
+    #[test]
+    fn sights_are_blocked_by_what_the_list_holds() {
+        let mut rng = ChaCha8Rng::seed_from_u64(9);
+        let triangles = random_triangles(&mut rng, 300);
+        let tree = Bvh::of(&triangles);
+        let mut blocked = 0;
+        for _ in 0..2000 {
+            let mut point = || DVec3::from_array([0; 3].map(|_| rng.random_range(-2.0..13.0)));
+            let sight = Segment(point(), point());
+            let meets = triangles.iter().any(|t| sight.contact(t).distance == 0.0);
+            assert_eq!(tree.blocks(sight.0, sight.1), meets, "{sight:?}");
+            blocked += usize::from(meets);
+        }
+        assert!((200..1800).contains(&blocked), "{blocked}");
+        assert!(!Bvh::of(&[]).blocks(DVec3::ZERO, DVec3::X));
     }
 
     #[test]

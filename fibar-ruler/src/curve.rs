@@ -63,6 +63,25 @@ impl Curve {
         self.pieces.iter().rev().find_map(Bezier::end_direction).map(DVec3::normalize)
     }
 
+    /// Places every `step` mm along the curve, from its start, mm; chords of a 128th of a piece stand for its arc.
+    pub fn stations(&self, step: f64) -> Vec<DVec3> {
+        let chords = self
+            .pieces
+            .iter()
+            .flat_map(|piece| (0..128).map(|k| [k, k + 1].map(|end| piece.point(f64::from(end) / 128.0))));
+        let mut places = vec![self.start()];
+        let mut ahead = step;
+        for [from, to] in chords {
+            let length = from.distance(to);
+            while ahead <= length {
+                places.push(from.lerp(to, ahead / length));
+                ahead += step;
+            }
+            ahead -= length;
+        }
+        places
+    }
+
     /// The places between pieces where the tangent breaks, however little.
     pub fn corners(&self) -> impl Iterator<Item = Corner> + '_ {
         let solid: Vec<&Bezier> = self.pieces.iter().filter(|p| p.polygon_length() > 0.0).collect();
@@ -233,6 +252,20 @@ mod tests {
             rest.start().distance(DVec3::X) < 1e-9 && rest.end().distance(DVec3::new(3.0, 2.0, 0.0)) < 1e-9
         );
         assert_eq!(line.trimmed(4.0, 3.5), None);
+    }
+
+    #[test]
+    fn stations_are_evenly_spaced_along_the_arc() {
+        let corner = DVec3::new(30.0, 30.0, 0.0).extend(1.0) * std::f64::consts::FRAC_1_SQRT_2;
+        let ends = [DVec3::X, DVec3::Y].map(|p| (p * 30.0).extend(1.0));
+        let arc = Curve { pieces: vec![Bezier { homogeneous: vec![ends[0], corner, ends[1]] }] };
+        let places = arc.stations(1.5);
+        assert_eq!(places.len(), 32, "47.1 mm hold 31 steps of 1.5 mm");
+        for (k, place) in places.iter().enumerate() {
+            let angle = k as f64 * 1.5 / 30.0;
+            let exact = DVec3::new(libm::cos(angle), libm::sin(angle), 0.0) * 30.0;
+            assert!(place.distance(exact) < 2e-3, "{k}: {place} is not {exact}");
+        }
     }
 
     #[test]

@@ -44,6 +44,12 @@ impl ClosedSurface {
         if inside { hit.contact.distance } else { -hit.contact.distance }
     }
 
+    /// Outward unit normal of the nearest feature; zero for an empty mesh.
+    pub fn outward(&self, point: DVec3) -> DVec3 {
+        let hit = self.bvh.nearest_hit(&point, f64::INFINITY);
+        hit.map_or(DVec3::ZERO, |hit| self.normal_at(point, hit.triangle as usize).normalize_or_zero())
+    }
+
     /// Outward normal of the feature of `triangle` nearest to `point`.
     fn normal_at(&self, point: DVec3, triangle: usize) -> DVec3 {
         let corners = &self.triangles[triangle];

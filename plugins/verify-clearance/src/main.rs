@@ -14,6 +14,7 @@ mod strand;
 mod wall;
 
 use fibar_core::artefact::Document;
+use fibar_core::artefact::constellation::Constellation;
 use fibar_core::artefact::mesh::TriangleMesh;
 use fibar_core::artefact::routes::Routes;
 use fibar_core::artefact::sockets::Sockets;
@@ -52,9 +53,16 @@ struct Params {
     /// How far a fibre may start from its LED's tip or end from the surface.
     #[schemars(range(min = 0.0, max = 1.0), extend("unit" = "mm"))]
     end_tolerance_mm: f64,
+    /// How far beside its LED's tip a fibre may start, in the plane of the tip: with a core of 0.875 mm, up to this its mouth
+    /// lies under the dome of a 5 mm package.
+    #[schemars(range(min = 0.0, max = 50.0), extend("unit" = "mm"))]
+    mouth_offset_mm: f64,
     /// How far a fibre may start off its socket's axis.
     #[schemars(range(min = 0.0, max = 90.0), extend("unit" = "deg"))]
     start_tilt_deg: f64,
+    /// How far a fibre may arrive off its marker's outward normal (the body's, without `constellation`); 180 judges nothing.
+    #[schemars(range(min = 0.0, max = 180.0), extend("unit" = "deg"))]
+    arrival_tilt_deg: f64,
 }
 
 impl Default for Params {
@@ -67,7 +75,9 @@ impl Default for Params {
             skin_mm: SKIN_THICKNESS_MM,
             end_leg_mm: 2.5,
             end_tolerance_mm: 0.01,
+            mouth_offset_mm: 1.625,
             start_tilt_deg: 1.0,
+            arrival_tilt_deg: 180.0,
         }
     }
 }
@@ -86,6 +96,11 @@ impl Stage for VerifyClearance {
         .input("body", "body", "The object that the fibres must stay inside of.")
         .input("sockets", "sockets", "Where the fibres start.")
         .input("routes", "routes", "The fibres.")
+        .optional_input(
+            "constellation",
+            "constellation",
+            "Where the markers look; else the body's surface says.",
+        )
         .published(
             "verdict",
             "verdict",
@@ -103,7 +118,10 @@ impl Stage for VerifyClearance {
         if strands.is_empty() {
             return Err(StageError::input("there is no fibre to measure"));
         }
-        let judgements = measure(&params, &body, &sockets, &strands, job)?;
+        let constellation = job.read_optional("constellation")?;
+        let constellation = constellation.map(|bytes| Constellation::from_json(&bytes)).transpose()?;
+        let scene = Scene { body: &body, sockets: &sockets, constellation: constellation.as_ref() };
+        let judgements = measure(&params, &scene, &strands, job)?;
         for judgement in &judgements {
             judgement.report(job);
         }
@@ -113,22 +131,28 @@ impl Stage for VerifyClearance {
     }
 }
 
+/// What the fibres are held against.
+struct Scene<'a> {
+    body: &'a ClosedSurface,
+    sockets: &'a Sockets,
+    constellation: Option<&'a Constellation>,
+}
+
 /// All rules, one after the other.
 fn measure(
     params: &Params,
-    body: &ClosedSurface,
-    sockets: &Sockets,
+    scene: &Scene,
     strands: &[Strand],
     job: &mut Job,
 ) -> Result<Vec<Judgement>, StageError> {
     job.progress(0.0, "gaps")?;
     let gaps = gap::judge(strands, params.min_gap_mm);
     job.progress(0.4, "walls")?;
-    let walls = wall::judge(strands, body, &wall::Rule::of(params));
+    let walls = wall::judge(strands, scene.body, &wall::Rule::of(params));
     job.progress(0.8, "sockets and bends")?;
-    let socket_gaps = socket_gap::judge(strands, sockets, params.min_socket_gap_mm);
+    let socket_gaps = socket_gap::judge(strands, scene.sockets, params.min_socket_gap_mm);
     let bends = bend::judge(strands, params.min_bend_radius_mm);
-    let ends = ends::judge(strands, sockets, body, &ends::Rule::of(params));
+    let ends = ends::judge(strands, scene, &ends::Rule::of(params));
     Ok([gaps, walls, socket_gaps, bends, ends].into_iter().flatten().collect())
 }
 

@@ -2,7 +2,7 @@
 
 use crate::CURVE_TOLERANCE_MM;
 use fibar_core::artefact::routes::Fibre;
-use fibar_core::{LedId, PatternId};
+use fibar_core::{LedId, MarkerId, PatternId};
 use fibar_plugin::StageError;
 use fibar_ruler::capsules::CapsuleTree;
 use fibar_ruler::curve::Curve;
@@ -11,6 +11,8 @@ use fibar_ruler::curve::Curve;
 pub struct Strand {
     /// Its number.
     pub id: u32,
+    /// Where it ends.
+    pub marker: MarkerId,
     /// The LED that feeds it.
     pub led: LedId,
     /// What it carries.
@@ -29,6 +31,7 @@ impl Strand {
         let curve = Curve::of_fibre(fibre).map_err(StageError::input)?;
         Ok(Strand {
             id: fibre.id,
+            marker: fibre.marker,
             led: fibre.led,
             pattern: fibre.pattern,
             radius: fibre.radii_mm.black,
@@ -48,7 +51,6 @@ pub mod tests {
     //! Things to measure.
 
     use super::*;
-    use fibar_core::MarkerId;
     use fibar_core::artefact::mesh::TriangleMesh;
     use fibar_core::artefact::sockets::Socket;
     use fibar_core::material::LayerRadii;
