@@ -20,15 +20,16 @@ pub fn look_up(seen: Entry<'_>, table: &[Entry<'_>]) -> Option<usize> {
 }
 
 /// Levenshtein distance of two sequences: insertions, deletions and substitutions, one each.
-pub fn sequence_distance(a: &[PatternId], b: &[PatternId]) -> usize {
+pub fn sequence_distance<T: PartialEq>(a: &[T], b: &[T]) -> usize {
     strsim::generic_levenshtein(&Sequence(a), &Sequence(b))
 }
 
-struct Sequence<'a>(&'a [PatternId]);
+/// A slice whose reference can be iterated over without naming a lifetime, as strsim wants it.
+struct Sequence<'a, T>(&'a [T]);
 
-impl<'a> IntoIterator for &Sequence<'a> {
-    type Item = &'a PatternId;
-    type IntoIter = std::slice::Iter<'a, PatternId>;
+impl<'a, T> IntoIterator for &Sequence<'a, T> {
+    type Item = &'a T;
+    type IntoIter = std::slice::Iter<'a, T>;
     fn into_iter(self) -> Self::IntoIter {
         self.0.iter()
     }

@@ -1,11 +1,13 @@
 //! Building recipes: plan, run what is missing, publish, and say what came out.
 
 mod budget;
+mod estimate;
 mod execute;
 mod observer;
 mod schedule;
 
 pub use budget::Budget;
+pub use estimate::Left;
 pub use observer::{Event, Observer, Outcome, Silent, StageName};
 pub use schedule::{Finished, predict, predict_all, resolve_inputs};
 

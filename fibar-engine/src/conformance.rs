@@ -3,6 +3,7 @@
 mod trial;
 
 use crate::host::{End, Limits};
+use crate::plugin::{Plugin, ensure_environment};
 use crate::{Result, Store};
 use fibar_core::diagnostic::Diagnostic;
 use fibar_core::protocol::{Arity, Description, FailureKind};
@@ -40,8 +41,8 @@ pub enum Verdict {
     Skipped(String),
 }
 
-/// Asks a plugin everything that can be asked with the samples.
-pub fn check(executable: &Path, samples: &Samples, store: &Store) -> Result<Vec<Check>> {
+/// Asks a plugin everything that can be asked with the samples; `tell` hears of what takes a while.
+pub fn check(executable: &Path, samples: &Samples, store: &Store, tell: &dyn Fn(&str)) -> Result<Vec<Check>> {
     let mut checks = Vec::new();
     let mut note = |name: &'static str, verdict: Verdict| checks.push(Check { name, verdict });
     let name = executable.file_stem().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
@@ -60,7 +61,11 @@ pub fn check(executable: &Path, samples: &Samples, store: &Store) -> Result<Vec<
         "says the same when asked again",
         kept_if(again.is_ok_and(|d| d == description), "it says something else"),
     );
-    let bench = Bench { executable, description: &description, samples, store };
+    note("gives its parameters defaults", gives_defaults(&description));
+    let plugin = Plugin::load(&name, executable, store)?;
+    let environment = ensure_environment(&plugin, store, tell)?;
+    let environment = environment.as_ref();
+    let bench = Bench { executable, description: &description, samples, store, environment };
     note("refuses another protocol version", bench.refuses_other_version());
     note("refuses unknown parameters", bench.unknown_parameter());
     note("refuses missing inputs", bench.missing_input());
@@ -84,6 +89,17 @@ pub fn check(executable: &Path, samples: &Samples, store: &Store) -> Result<Vec<
 
 fn broken(finding: Option<&Diagnostic>) -> Verdict {
     Verdict::Broken(finding.map_or(String::new(), |finding| finding.message.clone()))
+}
+
+/// A parameter without a default in the schema would be missing from the key.
+fn gives_defaults(description: &Description) -> Verdict {
+    let required = description.params["required"].as_array().map_or(&[][..], Vec::as_slice);
+    let properties = description.params["properties"].as_object().into_iter().flatten();
+    let lacking = properties.filter(|(name, schema)| {
+        schema.get("default").is_none() && !required.iter().any(|word| word == *name)
+    });
+    let lacking: Vec<String> = lacking.map(|(name, _)| format!("`{name}`")).collect();
+    kept_if(lacking.is_empty(), &format!("the schema names none for {}", lacking.join(", ")))
 }
 
 fn kept_if(kept: bool, otherwise: &str) -> Verdict {

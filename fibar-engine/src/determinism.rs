@@ -4,7 +4,6 @@
 mod field;
 
 use crate::build::{self, BuildOptions, Finished};
-use crate::error::IoContext;
 use crate::plan::Plan;
 use crate::store::{Action, Output, Rot};
 use crate::{Digest, Result, Store};
@@ -52,8 +51,7 @@ pub fn compare(plans: &[Plan], options: &BuildOptions<'_>, second: &Store) -> Re
 /// A fresh store below another, for the second build; remove it afterwards.
 pub fn second_store(store: &Store) -> Result<Store> {
     let folder = store.new_work_folder("second-store")?;
-    std::fs::create_dir_all(&folder).context("make the folder", &folder)?;
-    Store::open(&folder)
+    store.open_beside(&folder)
 }
 
 struct Comparer<'a> {

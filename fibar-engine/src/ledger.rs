@@ -14,6 +14,7 @@ mod trace;
 
 pub(crate) use lock::keys_of;
 pub use report::{BuildReport, FoundViolation, PublishedFile, StageReport};
+pub(crate) use timings::earlier_seconds;
 
 use crate::build::{BuildOptions, Finished, Locking, Waivers};
 use crate::error::IoContext;
@@ -60,6 +61,7 @@ pub(crate) fn publish(
         folder.remove(UNVERIFIED);
     }
     let stages = report::stages(plan, finished);
+    let (critical_path, critical_path_seconds) = timings::critical_path(plan, finished);
     let total = started.elapsed().as_secs_f64();
     folder.write_unsynced("trace.json", trace::text(plan, finished).as_bytes())?;
     folder.write_unsynced("timings.json", timings::text(plan, finished, total).as_bytes())?;
@@ -70,6 +72,8 @@ pub(crate) fn publish(
         files,
         violations,
         total,
+        critical_path: critical_path.into_iter().map(str::to_owned).collect(),
+        critical_path_seconds,
     })
 }
 

@@ -46,6 +46,7 @@ const STORE_FORMAT: &str = "fibar.store/1\n";
 #[derive(Debug)]
 pub struct Store {
     root: PathBuf,
+    environments: PathBuf,
     unsynced: sync::Unsynced,
     /// Digests of files already hashed.
     pub stats: StatCache,
@@ -64,7 +65,8 @@ impl Store {
             refuse_other_formats(&format)?;
         }
         let stats = StatCache::load(&root.join("stat-cache"));
-        let store = Store { stats, unsynced: sync::Unsynced::default(), root };
+        let environments = root.join("environments");
+        let store = Store { stats, unsynced: sync::Unsynced::default(), environments, root };
         if !format.exists() {
             store.publish_bytes(&format, STORE_FORMAT.as_bytes())?;
         }
@@ -74,6 +76,16 @@ impl Store {
     /// The folder of the store.
     pub fn root(&self) -> &Path {
         &self.root
+    }
+
+    /// Opens another store that uses this one's Python environments, which are the same for all and slow to make.
+    pub fn open_beside(&self, root: &Path) -> crate::Result<Store> {
+        Ok(Store { environments: self.environments.clone(), ..Store::open(root)? })
+    }
+
+    /// Where the Python environment of this name is or would be.
+    pub fn environment_path(&self, name: &crate::Digest) -> PathBuf {
+        self.environments.join(name.to_string())
     }
 
     /// Where the store is when nobody says: `$FIBAR_STORE`, else the user's cache folder.

@@ -7,7 +7,7 @@ use fibar_core::protocol::{
     FailureKind, Hello, HostMessage, PROTOCOL_VERSION, PluginMessage, Request, STDIO_FLAG,
 };
 use std::fs::File;
-use std::io::{BufRead, BufReader};
+use std::io::{BufRead, BufReader, Write};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::process::ExitCode;
 
@@ -34,8 +34,9 @@ pub fn serve<S: Stage>() -> ExitCode {
     }
 }
 
+/// Prints; a reader that has seen enough, such as `head`, is no failure.
 fn print_lines(text: &str) -> ExitCode {
-    println!("{text}");
+    let _ = writeln!(std::io::stdout(), "{text}");
     ExitCode::SUCCESS
 }
 

@@ -6,6 +6,7 @@ use crate::arguments::{
 };
 use crate::log::{self, JsonLog};
 use crate::progress::Progress;
+use crate::speak::{answer, tell};
 use crate::table;
 use fibar_core::diagnostic::Diagnostic;
 use fibar_engine::build::{self, Budget, Locking, Observer, Silent, Waivers};
@@ -23,7 +24,7 @@ use std::process::ExitCode;
 pub fn build(options: &BuildOptions, common: &Common) -> Result<ExitCode> {
     let reports = run_build(options, Waivers::Respect, common)?;
     for report in &reports {
-        print!("{}", table::build(report));
+        answer(table::build(report));
     }
     Ok(verdict(&reports))
 }
@@ -33,7 +34,7 @@ pub fn verify(options: &VerifyOptions, common: &Common) -> Result<ExitCode> {
     let waivers = if options.strict { Waivers::Ignore } else { Waivers::Respect };
     let reports = run_build(&options.build, waivers, common)?;
     for report in &reports {
-        print!("{}", table::verification(report));
+        answer(table::verification(report));
     }
     Ok(verdict(&reports))
 }
@@ -94,7 +95,7 @@ pub fn check_determinism(options: &BuildOptions, common: &Common) -> Result<Exit
         result
     })?;
     for comparison in &comparisons {
-        print!("{}", table::determinism(comparison));
+        answer(table::determinism(comparison));
     }
     let differs = comparisons.iter().any(|comparison| comparison.difference.is_some());
     Ok(if differs { ExitCode::from(Class::Verification as u8) } else { ExitCode::SUCCESS })
@@ -108,7 +109,7 @@ pub fn explain(options: &ExplainOptions, common: &Common) -> Result<ExitCode> {
         PlanOptions { plugins: &plugins, store: &store, overrides: &options.set, matrix: Matrix::Ignore };
     let plan = Plan::make(&options.recipe, &plan_options)?.remove(0);
     let lock = options.out.join(&plan.name).join("fibar.lock");
-    print!("{}", explain::explain(&plan, &options.stage, &store, &lock)?);
+    answer(explain::explain(&plan, &options.stage, &store, &lock)?);
     Ok(ExitCode::SUCCESS)
 }
 
@@ -118,12 +119,12 @@ pub fn cache(command: &CacheCommand, common: &Common) -> Result<ExitCode> {
     let mut code = ExitCode::SUCCESS;
     match command {
         CacheCommand::Gc { max_size } => {
-            print!("{}", table::collected(&store.collect_garbage(*max_size)?, *max_size))
+            answer(table::collected(&store.collect_garbage(*max_size)?, *max_size))
         }
-        CacheCommand::Stats => print!("{}", table::stats(&store, &store.statistics()?)),
+        CacheCommand::Stats => answer(table::stats(&store, &store.statistics()?)),
         CacheCommand::Verify => {
             let audit = store.audit()?;
-            print!("{}", table::audit(&audit));
+            answer(table::audit(&audit));
             if !audit.damaged.is_empty() || audit.unreadable > 0 {
                 code = ExitCode::from(Class::Verification as u8);
             }
@@ -152,8 +153,8 @@ pub fn plugin_test(options: &TestOptions, common: &Common) -> Result<ExitCode> {
         let value = serde_json::from_str(value).unwrap_or_else(|_| value.as_str().into());
         samples.params.insert(key.clone(), value);
     }
-    let checks = conformance::check(&executable, &samples, &open_store(common)?)?;
-    print!("{}", table::conformance(&checks));
+    let checks = conformance::check(&executable, &samples, &open_store(common)?, &|note| tell(note))?;
+    answer(table::conformance(&checks));
     let broken = checks.iter().any(|check| matches!(check.verdict, Verdict::Broken(_)));
     Ok(if broken { ExitCode::from(Class::Plugin as u8) } else { ExitCode::SUCCESS })
 }
@@ -164,13 +165,13 @@ pub fn plan(options: &PlanArguments, common: &Common) -> Result<ExitCode> {
     let plans = make_plans(&options.recipes, &store, common)?;
     let found = build::predict_all(&plans, &store);
     if plans.len() > 1 && !options.json {
-        print!("{}", table::plans(&plans, &found));
+        answer(table::plans(&plans, &found));
     }
     for (plan, found) in plans.iter().zip(&found) {
         if options.json {
-            println!("{}", table::plan_json(plan, found));
+            answer(format_args!("{}\n", table::plan_json(plan, found)));
         } else {
-            print!("{}", table::plan(plan, found));
+            answer(table::plan(plan, found));
         }
     }
     Ok(ExitCode::SUCCESS)
@@ -203,15 +204,15 @@ pub fn plugin_list(options: &ListOptions, common: &Common) -> Result<ExitCode> {
     let found = PluginPath::new(&common.plugin_path).list();
     if options.names {
         for (name, path) in &found {
-            println!("{name}\t{}", path.display());
+            answer(format_args!("{name}\t{}\n", path.display()));
         }
         return Ok(ExitCode::SUCCESS);
     }
     let store = open_store(common)?;
     for (name, path) in &found {
         match Plugin::load(name, path, &store) {
-            Ok(plugin) => print!("{}", table::plugin(&plugin)),
-            Err(_) => println!("{name}\n  is no plugin of this version: {}", path.display()),
+            Ok(plugin) => answer(table::plugin(&plugin)),
+            Err(_) => answer(format_args!("{name}\n  is no plugin of this version: {}\n", path.display())),
         }
     }
     store.stats.save();
@@ -226,7 +227,7 @@ pub fn plugin_describe(name: &str, common: &Common) -> Result<ExitCode> {
     })?;
     let plugin = Plugin::load(name, &path, &open_store(common)?)?;
     let text = serde_json::to_string_pretty(&plugin.description).expect("a description is plain data");
-    println!("{text}");
+    answer(format_args!("{text}\n"));
     Ok(ExitCode::SUCCESS)
 }
 
@@ -242,7 +243,7 @@ pub fn plugin_required(recipes: &[PathBuf]) -> Result<ExitCode> {
         let stages = reading.recipes.into_iter().flat_map(|recipe| recipe.stages);
         names.extend(stages.map(|stage| stage.plugin));
     }
-    names.iter().for_each(|name| println!("{name}"));
+    names.iter().for_each(|name| answer(format_args!("{name}\n")));
     Ok(ExitCode::SUCCESS)
 }
 

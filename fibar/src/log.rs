@@ -1,5 +1,6 @@
 //! `--log json`: everything that happens as one JSON object per line on standard error, for programs.
 
+use crate::speak::tell;
 use fibar_core::diagnostic::Severity;
 use fibar_core::protocol::PluginMessage;
 use fibar_engine::Error;
@@ -23,13 +24,14 @@ impl Observer for JsonLog {
     fn event(&self, event: &Event<'_>) {
         let mut line = fields(event);
         line["t"] = json!((self.started.elapsed().as_secs_f64() * 1e4).round() / 1e4);
-        eprintln!("{line}");
+        tell(line);
     }
 }
 
 fn fields(event: &Event<'_>) -> Value {
     match event {
         Event::Planned { stages } => json!({"event": "planned", "stages": stages}),
+        Event::Left(left) => json!({"event": "left", "seconds": left.seconds, "unknown": left.unknown}),
         Event::Started { stage, cores } => {
             json!({"event": "started", "build": stage.build, "stage": stage.stage, "cores": cores})
         }
@@ -64,6 +66,6 @@ pub fn findings(error: &Error) {
             "event": severity, "class": format!("{:?}", error.class).to_lowercase(), "message": finding.message,
             "place": place, "notes": finding.notes, "hints": finding.hints,
         });
-        eprintln!("{line}");
+        tell(line);
     }
 }

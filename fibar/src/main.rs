@@ -1,9 +1,12 @@
 //! The command line of fibar: arguments in, tables and findings out. What they mean is the engine's business.
 
+#![warn(clippy::print_stdout, clippy::print_stderr)]
+
 mod arguments;
 mod command;
 mod log;
 mod progress;
+mod speak;
 mod table;
 
 use arguments::{Arguments, Command, PluginCommand};
@@ -18,7 +21,7 @@ fn main() -> ExitCode {
         Ok(code) => code,
         Err(error) => {
             if !arguments.command.logs_json() {
-                eprintln!("{}", error.render());
+                speak::tell(error.render());
             }
             ExitCode::from(error.class as u8)
         }

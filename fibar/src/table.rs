@@ -25,6 +25,10 @@ pub fn build(report: &BuildReport) -> String {
         };
         let _ = writeln!(out, "  {:<width$}  {what}", stage.id);
     }
+    if report.executed() > 0 {
+        let chain = report.critical_path.join(" → ");
+        let _ = writeln!(out, "  longest chain {:.2} s: {chain}", report.critical_path_seconds);
+    }
     let _ = writeln!(out, "{}", report.folder.display());
     for file in &report.files {
         let name = if file.tree { format!("{}/", file.name) } else { file.name.clone() };

@@ -8,6 +8,8 @@ use std::process::Command;
 pub enum Peer {
     /// A script of `tests/peers` in the Python environment with lib3mf and others.
     Python(&'static str),
+    /// A script of `tests/peers` in the Python environment with OpenCV.
+    Vision(&'static str),
     /// A script of `tests/peers` run by node, beside the npm packages.
     Node(&'static str),
 }
@@ -26,7 +28,7 @@ impl Peer {
 
     fn script(&self) -> &'static str {
         match self {
-            Peer::Python(script) | Peer::Node(script) => script,
+            Peer::Python(script) | Peer::Vision(script) | Peer::Node(script) => script,
         }
     }
 
@@ -34,6 +36,7 @@ impl Peer {
         let script = checkout().join("tests/peers").join(self.script());
         let (program, stamp) = match self {
             Peer::Python(_) => (folder().join("python/bin/python"), "python.stamp"),
+            Peer::Vision(_) => (folder().join("vision/bin/python"), "vision.stamp"),
             Peer::Node(_) => (PathBuf::from("node"), "npm.stamp"),
         };
         folder().join(stamp).exists().then_some((program, script))

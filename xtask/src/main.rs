@@ -4,6 +4,7 @@
 //! `fibar` program. It knows no recipe format and no artefact, and depends on nothing of ours.
 
 mod checkout;
+mod features;
 mod manifold;
 mod peers;
 mod plugins;
@@ -56,7 +57,7 @@ fn run(words: &[&str]) -> Result<(), Failure> {
         ["soak"] => test::soak(&checkout),
         ["tidy"] => tidy::check(&checkout),
         ["tidy", "--fix"] => tidy::fix(&checkout),
-        ["setup"] => plugins::compile_all(&checkout),
+        ["setup"] => test::set_up(&checkout),
         [other, ..] => Err(Failure::Message(format!("no such task: {other}\n\n{HELP}"))),
     }
 }

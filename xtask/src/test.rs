@@ -1,18 +1,18 @@
 //! The tests, and what is run beside them: benches and soaks.
 
 use crate::checkout::{self, Checkout, Failure};
-use crate::{manifold, peers, plugins, tidy};
+use crate::{peers, plugins, tidy};
+use std::path::PathBuf;
+use std::process::Command;
 
 /// All tests of the workspace; `--full` adds the slow ones, a further word filters by name.
 pub fn run(checkout: &Checkout, words: &[&str]) -> Result<(), Failure> {
     let full = words.contains(&"--full");
     let filters: Vec<&str> = words.iter().copied().filter(|w| *w != "--full").collect();
     let peers = peers::ensure(checkout)?;
-    manifold::ensure(&checkout.root)?;
-    checkout::run(&mut checkout.cargo(&["build", "--release", "--workspace", "--exclude", "xtask"]))?;
-    let mut tests =
-        checkout.cargo(&["test", "--release", "--workspace", "--exclude", "xtask", "--no-fail-fast"]);
-    tests.env("FIBAR_PEERS", peers).env("FIBAR_BIN", checkout.target().join("release"));
+    plugins::compile_all(checkout)?;
+    let mut tests = cargo_test(checkout);
+    tests.arg("--no-fail-fast").env("FIBAR_PEERS", peers);
     if filters.is_empty() {
         tidy::check_architecture(checkout)?;
     }
@@ -22,18 +22,35 @@ pub fn run(checkout: &Checkout, words: &[&str]) -> Result<(), Failure> {
     checkout::run(tests.arg("--").args(filters))
 }
 
+/// Compiles everything and runs nothing.
+pub fn set_up(checkout: &Checkout) -> Result<(), Failure> {
+    plugins::compile_all(checkout)?;
+    checkout::run(cargo_test(checkout).arg("--no-run"))
+}
+
+fn cargo_test(checkout: &Checkout) -> Command {
+    let mut tests = checkout.cargo(&["test", "--release", "--workspace", "--exclude", "xtask"]);
+    tests.env("FIBAR_BIN", executables(checkout));
+    tests
+}
+
+/// Where the tests find the program, the plugins and the stages of `fibar-engine/examples`.
+fn executables(checkout: &Checkout) -> PathBuf {
+    checkout.target().join("release")
+}
+
 /// The benches: ratios to peers, printed as a table.
 pub fn bench(checkout: &Checkout, words: &[&str]) -> Result<(), Failure> {
     plugins::compile_all(checkout)?;
     let mut benches =
         checkout.cargo(&["run", "--release", "--quiet", "--package", "fibar-tests", "--bin", "bench", "--"]);
-    checkout::run(benches.args(words).env("FIBAR_BIN", checkout.target().join("release")))
+    checkout::run(benches.args(words).env("FIBAR_BIN", executables(checkout)))
 }
 
-/// The long form of the kill and concurrency tests.
+/// The long form of the kill and concurrency tests, one after the other.
 pub fn soak(checkout: &Checkout) -> Result<(), Failure> {
-    let mut tests =
-        checkout.cargo(&["test", "--release", "--package", "fibar-tests", "--", "--nocapture", "soak"]);
     plugins::compile_all(checkout)?;
-    checkout::run(tests.env("FIBAR_SOAK", "1").env("FIBAR_BIN", checkout.target().join("release")))
+    let mut tests = checkout.cargo(&["test", "--release", "--package", "fibar-tests", "--test", "engine"]);
+    tests.args(["--", "--nocapture", "--test-threads=1", "soak"]);
+    checkout::run(tests.env("FIBAR_SOAK", "1").env("FIBAR_BIN", executables(checkout)))
 }

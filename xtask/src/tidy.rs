@@ -1,7 +1,7 @@
-//! Formatting, lints, and ARCHITECTURE.md held against the real crates and their edges.
+//! Formatting, lints, features, and ARCHITECTURE.md held against the real crates and their edges.
 
 use crate::checkout::{Checkout, Failure, run};
-use crate::manifold;
+use crate::{features, manifold};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Crate names, each with those of our crates that it uses.
@@ -20,6 +20,7 @@ pub fn check(checkout: &Checkout) -> Result<(), Failure> {
         "-D",
         "warnings",
     ]))?;
+    features::check(checkout)?;
     check_architecture(checkout)
 }
 

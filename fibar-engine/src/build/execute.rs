@@ -8,7 +8,7 @@ use crate::plugin::ensure_environment;
 use crate::store::{Action, KeyLock, Rot};
 use crate::{Class, Digest, Error, Store};
 use fibar_core::diagnostic::Diagnostic;
-use fibar_core::protocol::{Failure, FailureKind, PluginMessage};
+use fibar_core::protocol::{Failure, FailureKind, LogLine, PluginMessage};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
@@ -55,12 +55,24 @@ impl Execution<'_> {
             request: &request,
             limits: self.options.limits,
             is_cancelled: self.options.is_cancelled,
-            listener: &|message: &PluginMessage| {
-                self.options.observer.event(&Event::Said { stage: self.name, message });
-            },
+            listener: &|message: &PluginMessage| self.pass_on(message, &folder),
         });
         let action = self.publish(&mut folder, report, started)?;
         Ok((action, Outcome::Executed))
+    }
+
+    /// Tells what the stage says, in the words of the recipe.
+    fn pass_on(&self, message: &PluginMessage, folder: &WorkFolder<'_>) {
+        let event = |message: &PluginMessage| {
+            self.options.observer.event(&Event::Said { stage: self.name, message });
+        };
+        match message {
+            PluginMessage::Log(LogLine { level, message }) => {
+                let (level, message) = (level.clone(), folder.as_written(message));
+                event(&PluginMessage::Log(LogLine { level, message }));
+            }
+            other => event(other),
+        }
     }
 
     fn environment(&self) -> crate::Result<Option<crate::plugin::EnvironmentReady>> {
@@ -88,11 +100,11 @@ impl Execution<'_> {
     ) -> crate::Result<Action> {
         let done = match &report.end {
             End::Done(done) => done,
-            End::Failed(failure) => return Err(self.failed(failure)),
+            End::Failed(failure) => return Err(self.failed(failure, folder)),
             End::Cancelled => return Err(cancelled()),
             End::Broken(reason) => {
                 folder.keep();
-                return Err(self.broken(reason, &report, folder.path()));
+                return Err(self.broken(reason, &report, folder));
             }
         };
         let collected =
@@ -106,14 +118,15 @@ impl Execution<'_> {
     }
 
     /// A failure that the stage explains, at the line of the recipe it blames.
-    fn failed(&self, failure: &Failure) -> Error {
+    fn failed(&self, failure: &Failure, folder: &WorkFolder<'_>) -> Error {
         let class = match failure.kind {
             FailureKind::User => Class::Recipe,
             FailureKind::Input => Class::Input,
             FailureKind::Resource => Class::Resource,
             FailureKind::Internal | FailureKind::Cancelled => Class::Plugin,
         };
-        let mut finding = Diagnostic::error(format!("stage `{}`: {}", self.stage.id, failure.message));
+        let message = folder.as_written(&failure.message);
+        let mut finding = Diagnostic::error(format!("stage `{}`: {message}", self.stage.id));
         let blamed = failure.param.as_deref().map(|pointer| self.stage.node.follow(pointer));
         let is_written = |node: &&crate::recipe::Node| node.range != self.stage.node.range;
         finding.place = Some(blamed.filter(is_written).unwrap_or(&self.stage.use_node).place());
@@ -128,19 +141,21 @@ impl Execution<'_> {
             finding = finding.note("finished stages are kept; the same command goes on from there");
         }
         if let Some(hint) = &failure.hint {
-            finding = finding.hint(hint.clone());
+            finding = finding.hint(folder.as_written(hint));
         }
         Error::new(class, finding)
     }
 
-    fn broken(&self, reason: &str, report: &Report, folder: &Path) -> Error {
+    fn broken(&self, reason: &str, report: &Report, folder: &WorkFolder<'_>) -> Error {
         let plugin = &self.stage.plugin;
         let message = format!("stage `{}`: plugin `{}` broke down: {reason}", self.stage.id, plugin.name);
         let mut finding = Diagnostic::error(message);
         finding.place = Some(self.stage.use_node.place());
         if !report.last_lines.is_empty() {
-            finding = finding.note(format!("its last words:\n{}", report.last_lines.join("\n")));
+            let last_words = folder.as_written(&report.last_lines.join("\n"));
+            finding = finding.note(format!("its last words:\n{last_words}"));
         }
+        let folder = folder.path();
         finding = finding.note(format!("its folder is kept: {}", folder.display()));
         let rerun = format!(
             "run it by hand:\ncd {} && {} --request request.json",

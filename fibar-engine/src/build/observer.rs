@@ -1,5 +1,6 @@
 //! What a build tells while it runs.
 
+use super::Left;
 use crate::Digest;
 use fibar_core::protocol::PluginMessage;
 
@@ -33,6 +34,8 @@ pub enum Event<'a> {
         /// How many.
         stages: usize,
     },
+    /// How much is left, whenever stages have started.
+    Left(Left),
     /// A stage starts.
     Started {
         /// Which.

@@ -4,6 +4,7 @@
 
 use super::BuildOptions;
 use super::budget::{Free, Grant};
+use super::estimate::Estimate;
 use super::execute::{Execution, cancelled, look_up};
 use super::observer::{Event, Outcome, StageName};
 use crate::plan::{InputDigests, Manifest, Plan, PlannedStage};
@@ -121,6 +122,8 @@ struct Scheduler<'a> {
     failures: Vec<Rot>,
     /// Whether the state of the sandbox was told.
     said: bool,
+    /// Made when the first stage starts: a build with nothing to do needs none.
+    estimate: Option<Estimate>,
 }
 
 impl<'a> Scheduler<'a> {
@@ -146,6 +149,7 @@ impl<'a> Scheduler<'a> {
             free: Free::new(options.budget),
             failures: Vec::new(),
             said: false,
+            estimate: None,
         }
     }
 
@@ -161,6 +165,7 @@ impl<'a> Scheduler<'a> {
             if self.running == 0 {
                 return;
             }
+            self.say_what_is_left();
             if let Ok(arrival) = arrivals.recv() {
                 self.arrive(arrival);
             }
@@ -215,6 +220,14 @@ impl<'a> Scheduler<'a> {
         }
     }
 
+    fn say_what_is_left(&self) {
+        if let Some(estimate) = &self.estimate {
+            let is_finished = |p: usize, s: usize| self.finished[p][s].is_some();
+            let left = estimate.left(self.plans, is_finished, self.options.budget.cores);
+            self.options.observer.event(&Event::Left(left));
+        }
+    }
+
     /// Starts ready actions while the budget lasts.
     fn launch<'scope, 'env>(&mut self, scope: &'scope Scope<'scope, 'env>)
     where
@@ -249,6 +262,8 @@ impl<'a> Scheduler<'a> {
         'a: 'scope,
     {
         self.running += 1;
+        let earlier = || Estimate::from_earlier(self.plans, &self.options.out);
+        self.estimate.get_or_insert_with(earlier).start(slot);
         let name = self.name(slot);
         self.options.observer.event(&Event::Started { stage: name, cores: grant.cores });
         let stage = &self.plans[slot.0].stages[slot.1];

@@ -2,6 +2,7 @@
 
 use super::{Samples, Verdict, defaults_of};
 use crate::host::{self, End, Launch, Limits, Report, RunSetup, Sandbox, WorkFolder};
+use crate::plugin::EnvironmentReady;
 use crate::store::Output;
 use crate::{Result, Store};
 use fibar_core::protocol::{Description, FailureKind, InputArtefact, Request};
@@ -16,6 +17,8 @@ pub(super) struct Bench<'a> {
     pub description: &'a Description,
     pub samples: &'a Samples,
     pub store: &'a Store,
+    /// Its Python environment, if it names one.
+    pub environment: Option<&'a EnvironmentReady>,
 }
 
 /// A run that is over, with its folder.
@@ -40,7 +43,7 @@ impl<'a> Bench<'a> {
             seed: 1,
             threads,
             memory_bytes: 0,
-            python: None,
+            python: self.environment.map(|ready| ready.python.display().to_string()),
         }
     }
 
@@ -61,7 +64,7 @@ impl<'a> Bench<'a> {
             description: Some(self.description),
             folder: folder.path(),
             scratch: &self.store.scratch()?,
-            readable: &[],
+            readable: self.environment.map_or(&[], |ready| &ready.readable),
             threads: request.threads,
             sandbox: Sandbox::Auto,
         };

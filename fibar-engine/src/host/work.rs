@@ -4,6 +4,7 @@
 //! the request for a run by hand. All paths a plugin sees are relative, so that none can end up in an artefact.
 
 use crate::error::IoContext;
+use crate::os::sandbox;
 use crate::plan::{InputDigests, PlannedStage};
 use crate::store::{Output, Rot, Tree};
 use crate::{Class, Digest, Error, Result, Store, os};
@@ -21,7 +22,16 @@ pub struct WorkFolder<'a> {
     store: &'a Store,
     folder: PathBuf,
     inputs: Vec<Input>,
+    files: Vec<NamedFile>,
     kept: bool,
+}
+
+/// The copy of a file that a parameter names.
+struct NamedFile {
+    /// Where the stage finds it, relative to the folder.
+    path: String,
+    /// What the recipe calls it.
+    written: String,
 }
 
 struct Input {
@@ -38,7 +48,7 @@ impl<'a> WorkFolder<'a> {
         for name in ["in", "out", "tmp"] {
             std::fs::create_dir(folder.join(name)).context("make a work folder in", &folder)?;
         }
-        Ok(WorkFolder { store, folder, inputs: Vec::new(), kept: false })
+        Ok(WorkFolder { store, folder, inputs: Vec::new(), files: Vec::new(), kept: false })
     }
 
     /// Where it is.
@@ -49,6 +59,19 @@ impl<'a> WorkFolder<'a> {
     /// Leaves the folder for people to look at.
     pub fn keep(&mut self) {
         self.kept = true;
+    }
+
+    /// A text of the stage's with the paths of copies replaced by what the recipe calls the files.
+    pub fn as_written(&self, text: &str) -> String {
+        let mut text = text.to_owned();
+        // `in/.file-1` is the beginning of `in/.file-10`: the last first.
+        for file in self.files.iter().rev() {
+            for folder in [&*self.folder.to_string_lossy(), sandbox::WORK] {
+                text = text.replace(&format!("{folder}/{}", file.path), &file.written);
+            }
+            text = text.replace(&file.path, &file.written);
+        }
+        text
     }
 
     /// Copies all inputs in and writes the request.
@@ -121,6 +144,9 @@ impl<'a> WorkFolder<'a> {
             if let Some(slot) = params.pointer_mut(&file.pointer) {
                 *slot = path.clone().into();
             }
+            let written = stage.node.follow(&file.pointer).as_str();
+            let written = written.map_or_else(|| file.path.display().to_string(), str::to_owned);
+            self.files.push(NamedFile { path: path.clone(), written });
             let what = format!("the file of `{}`", file.pointer.trim_start_matches('/'));
             self.inputs.push(Input { what, path, digest, tree: false });
         }

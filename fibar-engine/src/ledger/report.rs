@@ -22,6 +22,10 @@ pub struct BuildReport {
     pub violations: Vec<FoundViolation>,
     /// Wall time, s.
     pub total: f64,
+    /// The chain of stages that takes longest to make, by id.
+    pub critical_path: Vec<String>,
+    /// How long that is, s: more cores make a first build no faster.
+    pub critical_path_seconds: f64,
 }
 
 /// What a stage came to.

@@ -3,6 +3,8 @@
 use crate::build::Finished;
 use crate::plan::Plan;
 use serde_json::{Value, json};
+use std::collections::BTreeMap;
+use std::path::Path;
 use std::time::{SystemTime, UNIX_EPOCH};
 
 /// The text of the file: per stage what it took in this build, and what its making took whenever that was.
@@ -31,8 +33,17 @@ pub(super) fn text(plan: &Plan, finished: &[Finished], total: f64) -> String {
     serde_json::to_string_pretty(&value).expect("timings are plain data") + "\n"
 }
 
+/// What each stage took to make in the last build into a folder, s, by id; nothing if that cannot be read.
+pub(crate) fn earlier_seconds(folder: &Path) -> BTreeMap<String, f64> {
+    let text = std::fs::read(folder.join("timings.json")).unwrap_or_default();
+    let timings: Value = serde_json::from_slice(&text).unwrap_or_default();
+    let stages = timings["stages"].as_array().into_iter().flatten();
+    let known = stages.filter_map(|s| Some((s["id"].as_str()?.to_owned(), s["made_in_s"].as_f64()?)));
+    known.collect()
+}
+
 /// The chain of stages that takes longest to make, and how long: no number of cores makes the build faster than that.
-pub(crate) fn critical_path<'a>(plan: &'a Plan, finished: &[Finished]) -> (Vec<&'a str>, f64) {
+pub(super) fn critical_path<'a>(plan: &'a Plan, finished: &[Finished]) -> (Vec<&'a str>, f64) {
     let mut best: Vec<(f64, Option<usize>)> = Vec::new();
     for (stage, finished) in plan.stages.iter().zip(finished) {
         let sources = stage.wires.iter().flat_map(|wire| &wire.sources).map(|source| source.stage);

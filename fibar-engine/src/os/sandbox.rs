@@ -29,7 +29,19 @@ pub const PLUGIN: &str = "/plugin";
 /// Why this system grants no sandbox; asked once, by making one.
 pub fn available() -> std::result::Result<(), String> {
     static PROBE: OnceLock<std::result::Result<(), String>> = OnceLock::new();
-    PROBE.get_or_init(|| probe().map_err(|e| format!("the system grants no user namespaces: {e}"))).clone()
+    PROBE.get_or_init(|| probe().map_err(|e| refusal(&e))).clone()
+}
+
+fn refusal(error: &std::io::Error) -> String {
+    let reason = match error.raw_os_error() {
+        // What the kernel answers to one namespace too many (namespaces(7)), whatever the words of that number are.
+        Some(libc::ENOSPC) => "their number is limited (/proc/sys/user/max_user_namespaces)".into(),
+        Some(libc::EPERM | libc::EACCES) => {
+            format!("they are forbidden here, as in many containers: {error}")
+        }
+        _ => error.to_string(),
+    };
+    format!("the system grants no user namespaces: {reason}")
 }
 
 fn probe() -> Result<()> {

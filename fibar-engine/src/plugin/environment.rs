@@ -83,7 +83,7 @@ pub(crate) fn ensure(plugin: &Plugin, store: &Store, note: &dyn Fn(&str)) -> Res
     let lock = plugin.executable.with_file_name(&wanted.requirements);
     let (lock_digest, _) = store.stats.digest_of(&lock).context("read", &lock)?;
     let key = key(&lock_digest, python);
-    let folder = store.root().join("environments").join(key.to_string());
+    let folder = store.environment_path(&key);
     let bin = if cfg!(windows) { "Scripts/python.exe" } else { "bin/python" };
     if !folder.exists() {
         let _alone = loop {

@@ -15,7 +15,7 @@ fn verdicts(bench: &Bench, executable: &Path, inputs: &[(&str, PathBuf)]) -> Vec
         Verdict::Broken(reason) => format!("broken: {reason}"),
         Verdict::Skipped(reason) => format!("skipped: {reason}"),
     };
-    let checks = check(executable, &samples, &bench.store()).unwrap();
+    let checks = check(executable, &samples, &bench.store(), &|_| {}).unwrap();
     checks.into_iter().map(|check| (check.name, word(check.verdict))).collect()
 }
 

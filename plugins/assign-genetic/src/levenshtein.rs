@@ -2,6 +2,8 @@
 //!
 //! The same numbers as `fibar_core::recognition::sequence_distance`, an order of magnitude sooner.
 
+use fibar_core::recognition::sequence_distance;
+
 /// More symbols than this do not occur: patterns are numbered from 1 to 15.
 pub const SYMBOLS: usize = 16;
 
@@ -69,7 +71,7 @@ impl Needle {
         let distance = match self.sequence.len() {
             0 => other.len() as u32,
             1..=64 => return self.bit_parallel_distance(other, limit),
-            _ => strsim::generic_levenshtein(&Symbols(&self.sequence), &Symbols(other)) as u32,
+            _ => sequence_distance(&self.sequence, other) as u32,
         };
         (distance < limit).then_some(distance)
     }
@@ -99,21 +101,10 @@ impl Needle {
     }
 }
 
-struct Symbols<'a>(&'a [u8]);
-
-impl<'a> IntoIterator for &Symbols<'a> {
-    type Item = &'a u8;
-    type IntoIter = std::slice::Iter<'a, u8>;
-    fn into_iter(self) -> Self::IntoIter {
-        self.0.iter()
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use fibar_core::PatternId;
-    use fibar_core::recognition::sequence_distance;
     use rand::{RngExt, SeedableRng};
 
     #[test]

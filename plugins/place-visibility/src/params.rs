@@ -58,7 +58,7 @@ pub struct Params {
 }
 
 /// Solid whose cut triangles give the viewpoints.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Deserialize, schemars::JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Deserialize, serde::Serialize, schemars::JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Sphere {
     /// 30 f² + 2 viewpoints at frequency f.
@@ -70,7 +70,7 @@ pub enum Sphere {
 }
 
 /// How the distance between two places is measured.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Deserialize, schemars::JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Deserialize, serde::Serialize, schemars::JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Along {
     /// Shortest way on the surface.
@@ -80,7 +80,7 @@ pub enum Along {
 }
 
 /// In which order places strike out others.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Deserialize, schemars::JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Deserialize, serde::Serialize, schemars::JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Order {
     /// At random, as in the paper: gaps up to about twice the spacing remain.
@@ -90,7 +90,7 @@ pub enum Order {
 }
 
 /// A box along the axes of the body's frame.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Deserialize, schemars::JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Deserialize, serde::Serialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Region {
     /// Least coordinates, mm.

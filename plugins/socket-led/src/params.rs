@@ -39,7 +39,7 @@ pub struct Params {
 }
 
 /// Pattern of the places.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Deserialize, schemars::JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Deserialize, serde::Serialize, schemars::JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Layout {
     /// One in the centre, the others on the corners of a hexagon, counter-clockwise seen from above.

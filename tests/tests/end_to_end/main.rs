@@ -6,4 +6,5 @@ mod bad_input;
 mod bunny;
 mod pebble;
 mod peers;
+mod plugins;
 mod recipes;

@@ -1,8 +1,6 @@
 //! A workshop with the engine's demo stages as plugins.
 
-use fibar_tests::{Outcome, Workshop, executables};
-use serde_json::Value;
-use std::path::Path;
+use fibar_tests::{Build, Workshop, executables};
 use std::process::{Command, Stdio};
 
 /// The stages of `fibar-engine/examples/demo-stages.rs`.
@@ -49,18 +47,7 @@ impl Demo {
 
     /// How many stages the last build into `out` ran itself.
     pub fn executed(&self, out: &str) -> usize {
-        let text = std::fs::read(self.shop.path().join(out).join("demo/timings.json")).unwrap();
-        let timings: Value = serde_json::from_slice(&text).unwrap();
-        let stages = timings["stages"].as_array().unwrap();
-        stages.iter().filter(|stage| stage["result"] == "executed").count()
-    }
-
-    /// Fails unless every blob of the store has the SHA-256 it is named by, as another program computes it, and every
-    /// action can be read.
-    #[track_caller]
-    pub fn check_store(&self) {
-        check_names(&self.shop.path().join("store/cas"));
-        self.shop.run(&["cache", "verify"]).expect(0);
+        Build { folder: self.shop.path().join(out).join("demo") }.executed()
     }
 }
 
@@ -75,19 +62,4 @@ fn recipe() -> String {
         recipe += &format!("[[stage]]\nuse = \"upper-text\"\nseconds = 0.03\nname = \"{name}.txt\"\n");
     }
     recipe + "[[stage]]\nuse = \"bind-text\"\n[[stage]]\nuse = \"verify-text\"\nword = \"zebra\"\n"
-}
-
-/// Fails unless every file of a folder is named by its SHA-256.
-#[track_caller]
-pub fn check_names(folder: &Path) {
-    let files: Vec<_> =
-        std::fs::read_dir(folder).into_iter().flatten().map(|entry| entry.unwrap().path()).collect();
-    if files.is_empty() {
-        return;
-    }
-    let sums = Outcome::of(Command::new("sha256sum").args(&files)).expect(0);
-    for line in sums.stdout.lines() {
-        let (sum, path) = line.split_once("  ").unwrap();
-        assert!(path.ends_with(sum), "{path} has the SHA-256 {sum}");
-    }
 }

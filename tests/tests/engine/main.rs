@@ -7,3 +7,4 @@
 mod demo;
 mod sharing;
 mod soak;
+mod store;

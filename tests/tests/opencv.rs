@@ -1,5 +1,6 @@
-//! Poses against OpenCV's `solvePnPRansac` on the same points, where the peers are set up (`cargo xtask test`).
+//! Poses of fibar-track against OpenCV's `solvePnPRansac` on the same points.
 
+use fibar_tests::Peer;
 use fibar_track::camera::Camera;
 use fibar_track::consensus::{ConsensusOptions, find_consensus};
 use fibar_track::pose::Pose;
@@ -8,12 +9,9 @@ use glam::{DMat3, DVec2, DVec3};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 use serde_json::{Value, json};
-use std::path::{Path, PathBuf};
-use std::process::Command;
 
 #[test]
 fn opencv_finds_the_same_poses() {
-    let Some(python) = python() else { return };
     let camera = Camera::centred(1100.0, 720.0, 540.0);
     let options = ConsensusOptions::default();
     let mut random = ChaCha8Rng::seed_from_u64(11);
@@ -25,11 +23,9 @@ fn opencv_finds_the_same_poses() {
     let folder = tempfile::tempdir().expect("a folder for the problems");
     let file = folder.path().join("problems.json");
     std::fs::write(&file, document.to_string()).expect("room for the problems");
-    let script = checkout().join("tests/peers/check_pose.py");
-    let outcome = Command::new(python).arg(script).arg(&file).output().expect("Python starts");
-    let said = String::from_utf8_lossy(&outcome.stdout);
-    assert!(outcome.status.success(), "{said}{}", String::from_utf8_lossy(&outcome.stderr));
-    println!("{said}");
+    if let Some(outcome) = Peer::Vision("check_pose.py").run(&[&file]) {
+        println!("{}", outcome.expect(0).stdout);
+    }
 }
 
 /// Points in a ball, seen from somewhere with noise, `wrong` of them elsewhere; and our pose.
@@ -66,21 +62,4 @@ fn problem(
 
 fn rows(matrix: DMat3) -> [[f64; 3]; 3] {
     matrix.transpose().to_cols_array_2d()
-}
-
-/// The peers' Python, if OpenCV was set up for it.
-fn python() -> Option<PathBuf> {
-    let folder =
-        std::env::var_os("FIBAR_PEERS").map_or_else(|| checkout().join("target/peers"), PathBuf::from);
-    if folder.join("vision.stamp").exists() {
-        return Some(folder.join("vision/bin/python"));
-    }
-    let must = std::env::var("CI").is_ok_and(|ci| ci == "true");
-    assert!(!must, "OpenCV cannot run: the peers are not set up");
-    println!("skipped: OpenCV is not set up; cargo xtask test says why");
-    None
-}
-
-fn checkout() -> &'static Path {
-    Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("the crate lies one folder below the root")
 }
