@@ -112,6 +112,13 @@ impl Curve {
         Jet { position, velocity, acceleration }
     }
 
+    /// The first control point that a place depends on, and the values and first two derivatives of the basis functions of
+    /// that point and the `degree` after it.
+    pub fn basis_at(&self, u: f64) -> (usize, [Vec<f64>; 3]) {
+        let (span, u) = self.span(u);
+        (span - self.degree, self.basis(span, u))
+    }
+
     /// Unit tangent; zero where the velocity vanishes.
     pub fn tangent(&self, u: f64) -> DVec3 {
         self.jet(u).velocity.normalize_or_zero()

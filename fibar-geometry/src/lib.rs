@@ -6,7 +6,14 @@
 pub mod curve;
 pub mod frame;
 
+pub mod minimise;
 pub mod optics;
+
+pub mod alone;
+pub mod bound;
+pub mod course;
+pub mod passage;
+pub mod room;
 
 pub mod distance;
 pub mod rays;

@@ -53,6 +53,30 @@ impl Absorption {
         }
     }
 
+    /// Absorption at a curvature (1/mm, not negative), per mm, and its derivative by the curvature.
+    pub fn with_slope(&self, curvature: f64) -> (f64, f64) {
+        let LightLaw { c1_per_mm: c1, c2_per_mm: c2, c3_per_mm: c3, .. } = self.law;
+        if curvature > self.kink_curvature {
+            return (self.kink_loss * curvature, self.kink_loss);
+        }
+        let exponent = c3 / curvature;
+        if exponent > 40.0 {
+            return (c1, 0.0);
+        }
+        let bend = c2 * libm::exp(-exponent);
+        (c1 + bend, bend * c3 / (curvature * curvature))
+    }
+
+    /// Distance from which the camera sees a marker whose fibre loses this much, `c5·exp(−½·loss)`, mm.
+    pub fn d_cam_mm(&self, loss: f64) -> f64 {
+        self.law.c5_mm * libm::exp(-0.5 * loss)
+    }
+
+    /// The constants.
+    pub fn law(&self) -> LightLaw {
+        self.law
+    }
+
     /// Loss of a corner without length that turns by an angle, rad.
     pub fn of_corner(&self, angle: f64) -> f64 {
         self.kink_loss * angle
@@ -112,7 +136,7 @@ impl Throughput {
         let Estimate { value, error } = spans.fold(Estimate::default(), Estimate::plus);
         let corners = breaks.windows(3).map(|w| absorption.of_corner(corner_angle(curve, w)));
         let loss = corners.fold(value, |sum, corner| sum + corner);
-        Throughput { loss, error, d_cam_mm: absorption.law.c5_mm * libm::exp(-0.5 * loss) }
+        Throughput { loss, error, d_cam_mm: absorption.d_cam_mm(loss) }
     }
 }
 

@@ -1,0 +1,82 @@
+//! `bound-light`: how much light each LED could bring to each place, were its fibre alone in the object.
+//!
+//! For every pair of an LED and a target [`pairs`] finds the best course known and a bound that none can exceed. Routers
+//! and verifiers measure themselves by both; a hopeless pair is known before anything is routed. docs/bound-light.md tells how.
+
+mod pairs;
+mod params;
+
+use fibar_core::artefact::Document;
+use fibar_core::artefact::bounds::{Bounds, Target};
+use fibar_core::artefact::constellation::Constellation;
+use fibar_core::artefact::mesh::TriangleMesh;
+use fibar_core::artefact::sites::Sites;
+use fibar_core::artefact::sockets::Sockets;
+use fibar_plugin::{Description, Job, Stage, StageError, serve};
+use glam::DVec3;
+use params::Params;
+
+struct BoundLight;
+
+impl Stage for BoundLight {
+    type Params = Params;
+
+    fn describe() -> Description {
+        Description::new("bound-light", "Bounds the light that each LED can bring to each place.")
+            .version(env!("CARGO_PKG_VERSION"))
+            .input("body", "body", "The closed body, mm.")
+            .input("sockets", "sockets", "Where the LEDs sit.")
+            .optional_input("sites", "sites", "The places, unless there is a constellation.")
+            .optional_input("constellation", "constellation", "The places: its markers.")
+            .published("bounds", "bounds", "bounds.json", "What each LED could bring to each place.")
+    }
+
+    fn run(params: Params, job: &mut Job) -> Result<(), StageError> {
+        let body = TriangleMesh::from_ply(&job.read("body")?)?;
+        let sockets = Sockets::from_json(&job.read("sockets")?)?;
+        let places = places(job)?;
+        params.check()?;
+        let targets = pairs::bound(&body, &sockets, &places, &params, job)?;
+        report_metrics(&targets, job);
+        let bounds = Bounds {
+            format: Bounds::FORMAT.into(),
+            law: params.light(),
+            min_bend_radius_mm: params.min_bend_radius_mm,
+            wall_mm: params.wall_mm,
+            arrival_tilt_deg: params.arrival_tilt_deg,
+            leds: sockets.sockets.iter().map(|s| s.led).collect(),
+            targets,
+        };
+        job.write("bounds", "bounds.json", &bounds.to_json())
+    }
+}
+
+/// Places with their normals: markers if there are any, else sites.
+fn places(job: &Job) -> Result<Vec<(DVec3, DVec3)>, StageError> {
+    if let Some(bytes) = job.read_optional("constellation")? {
+        let constellation = Constellation::from_json(&bytes)?;
+        return Ok(constellation.markers.iter().map(|m| (m.position, m.normal)).collect());
+    }
+    match job.read_optional("sites")? {
+        Some(bytes) => Ok(Sites::from_json(&bytes)?.sites.iter().map(|s| (s.position, s.normal)).collect()),
+        None => Err(StageError::user("there are no places to bound: neither sites nor a constellation")
+            .hint("put the stage behind place-visibility or assign-…")),
+    }
+}
+
+fn report_metrics(targets: &[Target], job: &mut Job) {
+    let best_of = |t: &Target| t.best_mm.iter().copied().fold(0.0, f64::max);
+    let count = targets.len().max(1) as f64;
+    let mean = targets.iter().fold(0.0, |sum, t| sum + best_of(t)) / count;
+    let pairs = targets.iter().flat_map(|t| t.best_mm.iter().zip(&t.certified_mm));
+    let (best, certified) = pairs.fold((0.0, 0.0), |sum, (b, c)| (sum.0 + b, sum.1 + c));
+    let dark = targets.iter().filter(|t| best_of(t) == 0.0).count();
+    job.metric("bound.targets", targets.len() as f64, "1");
+    job.metric("bound.targets_without_light", dark as f64, "1");
+    job.metric("bound.mean_best_led_mm", mean, "mm");
+    job.metric("bound.best_of_certified_share", best / f64::max(certified, 1e-9), "1");
+}
+
+fn main() -> std::process::ExitCode {
+    serve::<BoundLight>()
+}

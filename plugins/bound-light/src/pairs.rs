@@ -1,0 +1,104 @@
+//! All pairs of LEDs and targets, each bounded for itself.
+
+use crate::params::{Effort, Params};
+use fibar_core::artefact::bounds::Target;
+use fibar_core::artefact::mesh::TriangleMesh;
+use fibar_core::artefact::sockets::{Socket, Sockets};
+use fibar_geometry::alone::{AloneOptions, World, best, promising_starts};
+use fibar_geometry::bound::LeastLoss;
+use fibar_geometry::course::nodes::Tables;
+use fibar_geometry::course::{Ends, Freedom};
+use fibar_geometry::distance::Surface;
+use fibar_geometry::optics::Absorption;
+use fibar_geometry::passage::{Passages, Ways};
+use fibar_geometry::room::{Keeping, Room, RoomOptions};
+use fibar_plugin::{Job, StageError};
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// Targets bounded between two reports of progress.
+const BATCH: usize = 32;
+
+/// Bounds for every place, in order.
+pub fn bound(
+    body: &TriangleMesh,
+    sockets: &Sockets,
+    places: &[(DVec3, DVec3)],
+    params: &Params,
+    job: &mut Job,
+) -> Result<Vec<Target>, StageError> {
+    job.progress(0.0, "room")?;
+    let surface = Surface::new(body).map_err(|e| StageError::input(format!("body: {e}")))?;
+    let keeping = Keeping { radius: params.fibre_radius_mm, skin: params.skin_mm, wall: params.wall_mm };
+    let room = Room::new(surface, sockets, keeping, RoomOptions { spacing: params.grid_mm, band: 6.0 });
+    let passages = Passages::of(&room, params.search_mm);
+    let ways: Vec<Option<Ways>> =
+        sockets.sockets.par_iter().map(|s| passages.from(s.position + 4.0 * s.axis, 0.0, &|_| 0.0)).collect();
+    let tables = Tables::all();
+    let world = World {
+        room: &room,
+        absorption: Absorption::monotone(params.light()),
+        tables: &tables,
+        freedom: Freedom {
+            mouth_radius: params.mouth_radius_mm,
+            tilt: libm::tan(params.arrival_tilt_deg.to_radians()),
+        },
+        min_bend_radius: params.min_bend_radius_mm,
+    };
+    let least = LeastLoss::new(&world.absorption, params.min_bend_radius_mm);
+    let mut targets = Vec::with_capacity(places.len());
+    for batch in places.chunks(BATCH) {
+        job.progress(0.1 + 0.9 * targets.len() as f64 / places.len() as f64, "pairs")?;
+        let bounded: Vec<Target> =
+            batch.par_iter().map(|place| target(&world, &least, sockets, &ways, *place, params)).collect();
+        targets.extend(bounded);
+    }
+    Ok(targets)
+}
+
+fn target(
+    world: &World,
+    least: &LeastLoss,
+    sockets: &Sockets,
+    ways: &[Option<Ways>],
+    (position, normal): (DVec3, DVec3),
+    params: &Params,
+) -> Target {
+    let best_mm: Vec<f64> = sockets
+        .sockets
+        .iter()
+        .zip(ways)
+        .map(|(socket, ways)| best_light(world, socket, ways.as_ref(), (position, normal), params))
+        .collect();
+    let certified_mm = sockets.sockets.iter().map(|s| certified_light(world, least, s, (position, normal)));
+    Target { position, normal, certified_mm: certified_mm.collect(), best_mm }
+}
+
+/// d_cam that no course between these ends exceeds, mm.
+fn certified_light(
+    world: &World,
+    least: &LeastLoss,
+    socket: &Socket,
+    (marker, normal): (DVec3, DVec3),
+) -> f64 {
+    let ends = Ends { tip: socket.position, axis: socket.axis, marker, normal };
+    world.absorption.d_cam_mm(least.between(ends, world.freedom))
+}
+
+/// d_cam of the best course known, mm; 0 if none is.
+fn best_light(
+    world: &World,
+    socket: &Socket,
+    ways: Option<&Ways>,
+    (marker, normal): (DVec3, DVec3),
+    params: &Params,
+) -> f64 {
+    let ends = Ends { tip: socket.position, axis: socket.axis, marker, normal };
+    let (keep, options) = match params.effort {
+        Effort::Quick => (1, AloneOptions { span: 9.0, iterations: 60, rounds: 5 }),
+        Effort::Normal => (2, AloneOptions { span: 7.5, iterations: 120, rounds: 6 }),
+        Effort::Thorough => (usize::MAX, AloneOptions { span: 6.0, iterations: 500, rounds: 8 }),
+    };
+    let starts = promising_starts(world, ends, ways, keep, &options);
+    best(world, ends, &starts, &options).map_or(0.0, |alone| alone.throughput.d_cam_mm)
+}
