@@ -6,6 +6,7 @@ use std::collections::BTreeMap;
 use std::fmt;
 
 /// The edges that are not shared by exactly two triangles in opposite directions, by their middles, mm.
+#[derive(Debug)]
 pub struct Census {
     /// Edges of one triangle only: the rims of holes.
     pub open: Vec<DVec3>,

@@ -1,17 +1,37 @@
 //! `repair-manifold`: makes a closed, oriented body of a mesh, or says why it cannot.
 //!
-//! It welds equal vertices, drops triangles without area, makes neighbours agree on what is outside, and imports the
-//! result into Manifold. It deliberately closes no hole and removes no part: what is missing is reported, not guessed.
+//! Welded by exact coordinates; duplicates dropped; rims sewn where they almost meet; neighbours turned to agree; inner walls and
+//! flaps taken away; triangles paired around crowded edges; holes capped; shells nested and turned; what passes through itself
+//! parted or cut away; overlapping bodies united. No body is dropped, and everything that changed is counted.
 
 mod base;
+mod cap;
 mod census;
+mod closing;
+mod crossings;
+mod distance;
+mod edges;
+mod fate;
+#[cfg(test)]
+mod fixture;
+mod holes;
+mod nesting;
 mod orientation;
+mod seams;
+mod sheets;
+mod sight;
+mod tangles;
+#[cfg(test)]
+mod tests;
+mod volume;
+mod walls;
 mod weld;
 
-use census::Census;
+use closing::{Limits, Obstacle, close};
+use fate::Fate;
 use fibar_core::artefact::mesh::TriangleMesh;
 use fibar_plugin::{Description, Job, Stage, StageError, serve};
-use fibar_solid::{Solid, SolidError};
+use fibar_solid::Solid;
 
 fn main() -> std::process::ExitCode {
     serve::<RepairManifold>()
@@ -19,12 +39,24 @@ fn main() -> std::process::ExitCode {
 
 struct RepairManifold;
 
-#[derive(Default, serde::Deserialize, schemars::JsonSchema)]
+#[derive(serde::Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 struct Params {
+    /// Rims that are this near are sewn together; far below what a printer resolves.
+    #[schemars(range(min = 0.0, max = 10.0), extend("unit" = "mm"))]
+    seam_mm: f64,
+    /// A hole that reaches farther than this from its middle is not closed, and the mesh is refused.
+    #[schemars(range(min = 0.0, max = 10000.0), extend("unit" = "mm"))]
+    largest_hole_mm: f64,
     /// Height cut off the bottom by a horizontal plane, to make a flat base; 0 cuts nothing.
     #[schemars(range(min = 0.0, max = 1000.0), extend("unit" = "mm"))]
     flatten_base_mm: f64,
+}
+
+impl Default for Params {
+    fn default() -> Params {
+        Params { seam_mm: 0.005, largest_hole_mm: 10000.0, flatten_base_mm: 0.0 }
+    }
 }
 
 impl Stage for RepairManifold {
@@ -45,7 +77,12 @@ impl Stage for RepairManifold {
     fn run(params: Params, job: &mut Job) -> Result<(), StageError> {
         let mesh = TriangleMesh::from_ply(&job.read("mesh")?)?;
         job.progress(0.1, "welding")?;
-        let solid = close(mesh, job)?;
+        let limits = Limits { seam_mm: params.seam_mm, largest_hole_mm: params.largest_hole_mm };
+        let mut fate = Fate::default();
+        let closed = close(&mesh, limits, &mut fate);
+        fate.metrics().into_iter().for_each(|(name, value, unit)| job.metric(name, value, unit));
+        fate.changes().iter().for_each(|change| job.log("info", change));
+        let solid = closed.map_err(refuse)?;
         job.progress(0.6, "cutting the base")?;
         let body = base::seat(&solid, params.flatten_base_mm)?;
         let volume =
@@ -56,41 +93,32 @@ impl Stage for RepairManifold {
     }
 }
 
-/// Welds, orients and imports; reports what it did.
-fn close(mesh: TriangleMesh, job: &mut Job) -> Result<Solid, StageError> {
-    let vertices_before = mesh.vertices.len();
-    let welded = weld::weld(mesh);
-    job.metric("repair.vertices_welded", (vertices_before - welded.mesh.vertices.len()) as f64, "1");
-    job.metric("repair.triangles_dropped", welded.degenerate as f64, "1");
-    let mut mesh = welded.mesh;
-    let flipped = orientation::orient(&mut mesh);
-    job.metric("repair.triangles_flipped", flipped as f64, "1");
-    job.metric("repair.volume_before_mm3", orientation::signed_volume(&mesh, 0..mesh.triangles.len()), "mm3");
-    import(&mesh)
-}
-
-fn import(mesh: &TriangleMesh) -> Result<Solid, StageError> {
-    match Solid::from_mesh(mesh) {
-        Ok(solid) if solid.volume() > 0.0 => Ok(solid),
-        Ok(_) => {
-            Err(StageError::input("the mesh encloses no volume").hint("export the object as a closed solid"))
-        }
-        Err(SolidError::NotManifold) => Err(refuse(&Census::of(mesh))),
-        Err(error) => Err(StageError::input(error.to_string())),
-    }
-}
-
 /// What keeps the mesh from being a solid, where, and what to try.
-fn refuse(census: &Census) -> StageError {
-    let error = StageError::input(format!("the mesh is not closed: {census}"));
-    let hint = match census.open.is_empty() {
-        false => "close the holes in a modelling program (\"fill holes\", \"make solid\") and export again",
-        true => {
-            "unite parts that touch or overlap (\"union\", \"make manifold\") in a modelling program and export again"
+fn refuse(obstacle: Obstacle) -> StageError {
+    let (message, hint, place) = match obstacle {
+        Obstacle::Edges(census) => (
+            format!("the mesh cannot be closed: {census}"),
+            "unite its parts (\"union\", \"make manifold\") in a modelling program and export again",
+            census.place(),
+        ),
+        Obstacle::Hole { count, middle, radius } => (
+            format!("the mesh has open holes ({count}), the widest {:.2} mm across", 2.0 * radius),
+            "close them in a modelling program, or allow it by a larger `largest_hole_mm`",
+            Some(middle),
+        ),
+        Obstacle::Crossings(left) => (
+            format!("the surface passes through itself, still {} times after repair", left.len()),
+            "mend the self-intersections in a modelling program and export again",
+            left.first().map(|crossing| crossing.place),
+        ),
+        Obstacle::Nothing => {
+            ("the mesh encloses no volume".into(), "export the object as a closed solid", None)
         }
+        Obstacle::Solid(error) => (error.to_string(), "export the object as a closed solid", None),
     };
-    match census.place() {
-        Some(place) => error.hint(hint).place_mm(place.to_array()),
-        None => error.hint(hint),
+    let error = StageError::input(message).hint(hint);
+    match place {
+        Some(place) => error.place_mm(place.to_array()),
+        None => error,
     }
 }

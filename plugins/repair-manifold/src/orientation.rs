@@ -1,90 +1,67 @@
 //! Neighbours that agree on what is outside.
 //!
-//! Triangles are joined over edges that exactly two of them share. A shell that agrees with itself keeps its orientation,
-//! cavities included; one that does not is turned so that it encloses a positive volume. A body that is inside out as a
-//! whole is turned over.
+//! Triangles are joined over edges that exactly two of them share. A patch that agrees with itself keeps its orientation;
+//! one that does not is turned to the side that most of its triangles are on. What encloses what is judged later, by `nesting`.
 
+use crate::edges::{Edges, Use};
 use fibar_core::artefact::mesh::TriangleMesh;
-use std::collections::BTreeMap;
 
 /// Turns triangles so that neighbours agree; returns how many were turned.
 pub fn orient(mesh: &mut TriangleMesh) -> usize {
-    let before = mesh.triangles.clone();
-    for shell in shells(mesh) {
-        turn_shell(mesh, &shell);
-    }
-    if signed_volume(mesh, 0..mesh.triangles.len()) < 0.0 {
-        mesh.triangles.iter_mut().for_each(turn);
-    }
-    before.iter().zip(&mesh.triangles).filter(|(a, b)| a != b).count()
+    let patches = patches(mesh, &Edges::of(mesh));
+    patches.iter().map(|patch| turn_minority(mesh, patch)).sum()
 }
 
-/// Volume enclosed by some triangles, mm³, negative when they are inside out; meaningful for closed sets.
-pub fn signed_volume(mesh: &TriangleMesh, triangles: impl IntoIterator<Item = usize>) -> f64 {
-    let tetrahedron = |t| {
-        let [a, b, c] = mesh.corners(t);
-        a.dot(b.cross(c)) / 6.0
-    };
-    triangles.into_iter().map(tetrahedron).sum()
+/// Triangles joined with each other, each with whether it must turn to agree with the first of its patch.
+pub type Patch = Vec<(u32, bool)>;
+
+fn turn_minority(mesh: &mut TriangleMesh, patch: &Patch) -> usize {
+    let disagreeing = patch.iter().filter(|(_, turned)| *turned).count();
+    let minority = 2 * disagreeing <= patch.len();
+    let turned = patch.iter().filter(|(_, turned)| *turned == minority && disagreeing > 0);
+    turned.map(|&(t, _)| turn(&mut mesh.triangles[t as usize])).count()
 }
 
-/// Triangles joined with each other, each with whether it must turn to agree with the first of its shell.
-type Shell = Vec<(usize, bool)>;
-
-fn turn_shell(mesh: &mut TriangleMesh, shell: &Shell) {
-    let disagreeing = shell.iter().filter(|(_, turned)| *turned).count();
-    if disagreeing == 0 {
-        return;
-    }
-    shell.iter().filter(|(_, turned)| *turned).for_each(|&(t, _)| turn(&mut mesh.triangles[t]));
-    if signed_volume(mesh, shell.iter().map(|&(t, _)| t)) < 0.0 {
-        shell.iter().for_each(|&(t, _)| turn(&mut mesh.triangles[t]));
-    }
-}
-
-fn turn(triangle: &mut [u32; 3]) {
+/// Swaps what is inside and outside of a triangle.
+pub fn turn(triangle: &mut [u32; 3]) {
     triangle.swap(1, 2);
 }
 
-fn shells(mesh: &TriangleMesh) -> Vec<Shell> {
-    let neighbours = neighbours(mesh);
+/// The patches of a mesh, in the order of their first triangles.
+pub fn patches(mesh: &TriangleMesh, edges: &Edges) -> Vec<Patch> {
+    let neighbours = neighbours(mesh, edges);
     let mut seen = vec![false; mesh.triangles.len()];
-    let mut shells = Vec::new();
-    for first in 0..mesh.triangles.len() {
-        if !seen[first] {
-            seen[first] = true;
-            let mut shell = vec![(first, false)];
+    let mut patches = Vec::new();
+    for first in 0..mesh.triangles.len() as u32 {
+        if !std::mem::replace(&mut seen[first as usize], true) {
+            let mut patch = vec![(first, false)];
             let mut next = 0;
-            while let Some(&(triangle, turned)) = shell.get(next) {
+            while let Some(&(triangle, turned)) = patch.get(next) {
                 next += 1;
-                for &(other, disagrees) in &neighbours[triangle] {
-                    if !seen[other] {
-                        seen[other] = true;
-                        shell.push((other, turned != disagrees));
+                for (other, disagrees) in neighbours[triangle as usize].into_iter().flatten() {
+                    if !std::mem::replace(&mut seen[other as usize], true) {
+                        patch.push((other, turned != disagrees));
                     }
                 }
             }
-            shells.push(shell);
+            patches.push(patch);
         }
     }
-    shells
+    patches
 }
 
-/// For each triangle those that share an edge with it alone, and whether the two run along it in the same direction.
-fn neighbours(mesh: &TriangleMesh) -> Vec<Vec<(usize, bool)>> {
-    let mut edges: BTreeMap<[u32; 2], Vec<(usize, bool)>> = BTreeMap::new();
-    for (t, triangle) in mesh.triangles.iter().enumerate() {
-        for k in 0..3 {
-            let (a, b) = (triangle[k], triangle[(k + 1) % 3]);
-            edges.entry([a.min(b), a.max(b)]).or_default().push((t, a < b));
-        }
-    }
-    let mut neighbours = vec![Vec::new(); mesh.triangles.len()];
-    for users in edges.values() {
-        if let [(one, forward), (other, also_forward)] = users[..] {
-            let disagree = forward == also_forward;
-            neighbours[one].push((other, disagree));
-            neighbours[other].push((one, disagree));
+/// For each side of each triangle the one that shares it alone, and whether the two run along it in the same direction.
+fn neighbours(mesh: &TriangleMesh, edges: &Edges) -> Vec<[Option<(u32, bool)>; 3]> {
+    let mut neighbours = vec![[None; 3]; mesh.triangles.len()];
+    for (_, uses) in edges.iter() {
+        if let [one, other] = uses {
+            let disagree = one.forward == other.forward;
+            let mut join = |a: &Use, b: &Use| {
+                neighbours[a.half_edge as usize / 3][a.half_edge as usize % 3] =
+                    Some((b.half_edge / 3, disagree));
+            };
+            join(one, other);
+            join(other, one);
         }
     }
     neighbours
@@ -93,37 +70,21 @@ fn neighbours(mesh: &TriangleMesh) -> Vec<Vec<(usize, bool)>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::DVec3;
-
-    fn tetrahedron(scale: f64) -> TriangleMesh {
-        TriangleMesh {
-            vertices: [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z].map(|v| v * scale).to_vec(),
-            triangles: vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
-        }
-    }
+    use crate::fixture::octahedron;
 
     #[test]
-    fn any_set_of_turned_triangles_is_found() {
-        for mask in 0..16usize {
-            let mut mesh = tetrahedron(1.0);
-            (0..4).filter(|k| mask >> k & 1 == 1).for_each(|k| turn(&mut mesh.triangles[k]));
+    fn the_minority_is_turned() {
+        for mask in 0..256u32 {
+            let mut mesh = octahedron(1.0);
+            (0..8).filter(|k| mask >> k & 1 == 1).for_each(|k| turn(&mut mesh.triangles[k]));
             let flipped = orient(&mut mesh);
-            assert_eq!(flipped, mask.count_ones() as usize, "mask {mask}");
-            assert_eq!(mesh, tetrahedron(1.0), "mask {mask}");
+            assert_eq!(flipped as u32, mask.count_ones().min(8 - mask.count_ones()), "mask {mask:b}");
+            let inside_out = mask.count_ones() > 4 || (mask.count_ones() == 4 && mask & 1 == 1);
+            let mut expected = octahedron(1.0);
+            if inside_out {
+                expected.triangles.iter_mut().for_each(turn);
+            }
+            assert_eq!(mesh, expected, "mask {mask:b}");
         }
-    }
-
-    #[test]
-    fn a_cavity_stays_a_cavity() {
-        let mut mesh = tetrahedron(3.0);
-        let mut inner = tetrahedron(-1.0);
-        inner.vertices.iter_mut().for_each(|v| *v += DVec3::splat(0.7));
-        mesh.vertices.extend(inner.vertices);
-        mesh.triangles.extend(inner.triangles.iter().map(|t| t.map(|v| v + 4)));
-        let expected = mesh.clone();
-        assert_eq!(orient(&mut mesh), 0);
-        mesh.triangles.iter_mut().for_each(turn);
-        assert_eq!(orient(&mut mesh), 8, "inside out as a whole");
-        assert_eq!(mesh, expected);
     }
 }

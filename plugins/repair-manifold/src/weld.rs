@@ -1,42 +1,90 @@
-//! Vertices at the very same place become one. No distance is involved: near is not equal.
+//! Vertices at the very same place become one, and a triangle stands only once. No distance is involved: near is not equal.
 
 use fibar_core::artefact::mesh::TriangleMesh;
 use glam::DVec3;
-use std::collections::BTreeMap;
+use std::collections::HashMap;
 
-/// A mesh whose vertices are all at different places and used.
+/// A mesh whose vertices are all at different places and used, with what was dropped.
 pub struct Welded {
     /// The mesh, in the order of the old one.
     pub mesh: TriangleMesh,
     /// Triangles dropped because two of their corners were the same vertex.
     pub degenerate: usize,
+    /// Triangles dropped because they stood twice, or back to back with another.
+    pub duplicate: usize,
 }
 
 /// Welds by exact coordinates.
-pub fn weld(mesh: TriangleMesh) -> Welded {
-    let mut numbers: BTreeMap<[u64; 3], u32> = BTreeMap::new();
-    let mut vertices = Vec::new();
-    let mut number_of = |v: DVec3| {
-        *numbers.entry(key(v)).or_insert_with(|| {
-            vertices.push(v);
-            vertices.len() as u32 - 1
-        })
-    };
-    let mut triangles = Vec::with_capacity(mesh.triangles.len());
-    for triangle in &mesh.triangles {
-        let places = triangle.map(|v| mesh.vertices[v as usize]);
-        let [a, b, c] = places.map(key);
-        if a != b && b != c && c != a {
-            triangles.push(places.map(&mut number_of));
-        }
-    }
+pub fn weld(mesh: &TriangleMesh) -> Welded {
+    let renamed = rename(mesh);
+    let renamed = |triangle: &[u32; 3]| triangle.map(|v| renamed[v as usize]);
+    let triangles: Vec<[u32; 3]> =
+        mesh.triangles.iter().map(renamed).filter(|&triangle| !is_degenerate(triangle)).collect();
     let degenerate = mesh.triangles.len() - triangles.len();
-    Welded { mesh: TriangleMesh { vertices, triangles }, degenerate }
+    let single = without_duplicates(&triangles);
+    let duplicate = triangles.len() - single.len();
+    let mesh = TriangleMesh { vertices: mesh.vertices.clone(), triangles: single };
+    Welded { mesh: with_used_vertices(mesh), degenerate, duplicate }
+}
+
+/// The same triangles; vertices are numbered anew in the order of their first use.
+pub fn with_used_vertices(mesh: TriangleMesh) -> TriangleMesh {
+    let mut numbers = vec![u32::MAX; mesh.vertices.len()];
+    let mut vertices = Vec::new();
+    let mut number = |v: u32| {
+        let number = &mut numbers[v as usize];
+        if *number == u32::MAX {
+            *number = vertices.len() as u32;
+            vertices.push(mesh.vertices[v as usize]);
+        }
+        *number
+    };
+    let triangles = mesh.triangles.iter().map(|t| t.map(&mut number)).collect();
+    TriangleMesh { vertices, triangles }
+}
+
+/// Whether a triangle has a corner twice.
+pub fn is_degenerate([a, b, c]: [u32; 3]) -> bool {
+    a == b || b == c || c == a
+}
+
+/// For each vertex the first one at its place. The map is only asked, never walked: its order reaches nothing.
+fn rename(mesh: &TriangleMesh) -> Vec<u32> {
+    let mut first: HashMap<[u64; 3], u32> = HashMap::with_capacity(mesh.vertices.len());
+    let numbered = mesh.vertices.iter().zip(0u32..);
+    numbered.map(|(&place, number)| *first.entry(key(place)).or_insert(number)).collect()
 }
 
 /// The bits of a place; −0 counts as 0.
 fn key(v: DVec3) -> [u64; 3] {
     v.to_array().map(|x| (x + 0.0).to_bits())
+}
+
+/// Keeps one of equal triangles, and none of a pair that stands back to back: together they enclose nothing.
+fn without_duplicates(triangles: &[[u32; 3]]) -> Vec<[u32; 3]> {
+    let sorted = |[a, b, c]: [u32; 3]| {
+        let mut corners = [a, b, c];
+        corners.sort_unstable();
+        corners
+    };
+    let mut order: Vec<([u32; 3], u32)> = triangles.iter().map(|&t| sorted(t)).zip(0..).collect();
+    order.sort_unstable();
+    let mut keep = vec![true; triangles.len()];
+    for same in order.chunk_by(|a, b| a.0 == b.0).filter(|same| same.len() > 1) {
+        same.iter().for_each(|&(_, t)| keep[t as usize] = false);
+        let is_even = |&&(corners, t): &&([u32; 3], u32)| is_rotation(triangles[t as usize], corners);
+        let even: Vec<_> = same.iter().filter(is_even).collect();
+        let odd: Vec<_> = same.iter().filter(|entry| !is_even(entry)).collect();
+        let kept = if even.len() > odd.len() { even.first() } else { odd.first() };
+        if let Some((_, t)) = kept.filter(|_| even.len() != odd.len()) {
+            keep[*t as usize] = true;
+        }
+    }
+    triangles.iter().zip(keep).filter(|(_, keep)| *keep).map(|(t, _)| *t).collect()
+}
+
+fn is_rotation([a, b, c]: [u32; 3], other: [u32; 3]) -> bool {
+    [[a, b, c], [b, c, a], [c, a, b]].contains(&other)
 }
 
 #[cfg(test)]
@@ -49,11 +97,22 @@ mod tests {
         let near = DVec3::new(1e-300, 0.0, 0.0);
         let mesh = TriangleMesh {
             vertices: vec![o, x, y, -o, y, x, near, DVec3::ONE],
-            triangles: vec![[0, 1, 2], [3, 4, 5], [0, 3, 1], [0, 6, 1]],
+            triangles: vec![[0, 1, 2], [0, 3, 1], [0, 6, 1]],
         };
-        let welded = weld(mesh);
+        let welded = weld(&mesh);
         assert_eq!(welded.mesh.vertices, [o, x, y, near], "the unused vertex is gone, the near one stays");
-        assert_eq!(welded.mesh.triangles, [[0, 1, 2], [0, 2, 1], [0, 3, 1]]);
-        assert_eq!(welded.degenerate, 1);
+        assert_eq!(welded.mesh.triangles, [[0, 1, 2], [0, 3, 1]]);
+        assert_eq!((welded.degenerate, welded.duplicate), (1, 0));
+    }
+
+    #[test]
+    fn a_triangle_stands_once_and_back_to_back_not_at_all() {
+        let check = |triangles: &[[u32; 3]], expected: &[[u32; 3]]| {
+            assert_eq!(without_duplicates(triangles), expected, "{triangles:?}");
+        };
+        check(&[[0, 1, 2], [1, 2, 0]], &[[0, 1, 2]]);
+        check(&[[0, 2, 1], [2, 1, 0], [5, 6, 7]], &[[0, 2, 1], [5, 6, 7]]);
+        check(&[[0, 1, 2], [0, 2, 1], [5, 6, 7]], &[[5, 6, 7]]);
+        check(&[[0, 1, 2], [0, 2, 1], [2, 0, 1]], &[[0, 1, 2]]);
     }
 }

@@ -39,7 +39,9 @@ fn files_that_are_no_mesh_are_refused() {
     check("", "", b"", 3, &["pebble.toml:9", "empty", "export"]);
     check("", "", &pebble[..9_000], 3, &["pebble.toml:9", "line 339", "coordinates"]);
     check("", "", &lines(&pebble, 645), 3, &["pebble.toml:9", "no triangle"]);
-    check("", "", &lines(&pebble, 1900), 3, &["19 edges are open", "mm"]);
+    let repair = "use = \"repair-manifold\"";
+    let strict = format!("{repair}\nlargest_hole_mm = 2.0");
+    check(repair, &strict, &lines(&pebble, 1900), 3, &["open holes (1)", "mm", "largest_hole_mm"]);
 }
 
 /// The first lines of a file, whole.
