@@ -1,10 +1,11 @@
 //! A workshop with the engine's demo stages as plugins.
 
 use fibar_tests::{Build, Workshop, executables};
+use std::path::Path;
 use std::process::{Command, Stdio};
 
 /// The stages of `fibar-engine/examples/demo-stages.rs`.
-const STAGES: [&str; 5] = ["make-text", "pass-text", "upper-text", "bind-text", "verify-text"];
+const STAGES: [&str; 6] = ["make-text", "pass-text", "upper-text", "bind-text", "verify-text", "leak-text"];
 
 /// How many stages the recipe has.
 pub const STAGE_COUNT: usize = 9;
@@ -47,7 +48,12 @@ impl Demo {
 
     /// How many stages the last build into `out` ran itself.
     pub fn executed(&self, out: &str) -> usize {
-        Build { folder: self.shop.path().join(out).join("demo") }.executed()
+        Demo::executed_in(&self.shop.path().join(out).join("demo"))
+    }
+
+    /// The same of one build folder.
+    pub fn executed_in(folder: &Path) -> usize {
+        Build { folder: folder.to_owned() }.executed()
     }
 }
 
