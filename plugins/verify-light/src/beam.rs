@@ -6,7 +6,6 @@
 //! guides none.
 
 use fibar_core::light::LedBeam;
-use fibar_ruler::quadrature::integrate;
 
 /// The irradiance as a function of the distance from the axis.
 #[derive(Clone, Copy, Debug)]
@@ -41,13 +40,6 @@ impl Beam {
         let halvings = libm::log(cosine) / self.half_log_cos;
         libm::exp2(-halvings) * cosine * cosine * cosine
     }
-
-    /// Light that a centred disc takes: `2π·∫ E·ρ dρ`.
-    pub fn through_centred(&self, radius_mm: f64) -> f64 {
-        let edge = radius_mm.min(self.reach_mm);
-        let ring = |share: f64| self.at(share * edge) * share * edge * edge;
-        std::f64::consts::TAU * integrate(1e-10, &ring).value
-    }
 }
 
 #[cfg(test)]
@@ -60,14 +52,6 @@ mod tests {
         let cosine = libm::cos(7.5f64.to_radians());
         assert_eq!((beam.at(0.0), beam.at(2.51)), (1.0, 0.0));
         assert!((beam.at(2.5) - 0.5 * cosine * cosine * cosine).abs() < 1e-12);
-    }
-
-    #[test]
-    fn a_small_disc_takes_its_area_and_none_more_than_the_dome() {
-        let beam = Beam::of(&LedBeam::TONE_2020);
-        let small = beam.through_centred(0.01) / (std::f64::consts::PI * 1e-4);
-        assert!((small - 1.0).abs() < 1e-4, "{small}");
-        assert_eq!(beam.through_centred(2.5), beam.through_centred(9.0));
     }
 
     #[test]

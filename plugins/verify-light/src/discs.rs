@@ -15,7 +15,7 @@ pub struct Disc {
 }
 
 /// Lines per radius of the smallest disc.
-const LINES: f64 = 64.0;
+const LINES: f64 = 128.0;
 
 /// `∫ weight/n` over each disc, `n` the number of discs over a place. `weight` takes places in the discs' plane.
 pub fn deal(discs: &[Disc], weight: &impl Fn(DVec2) -> f64) -> Vec<f64> {

@@ -50,8 +50,10 @@ fn enter(beam: &Beam, socket: &Socket, members: &mut [Member]) {
         Disc { centre: DVec2::new(arm.dot(across), arm.dot(up)), radius: m.core_radius }
     };
     let mouths: Vec<Disc> = members.iter().map(mouth).collect();
-    let calibrated = beam.through_centred(LayerRadii::TONE_2020.core);
-    let taken = deal(&mouths, &|place| beam.at(place.length()));
+    let centred = Disc { centre: DVec2::ZERO, radius: LayerRadii::TONE_2020.core };
+    let light = |place: DVec2| beam.at(place.length());
+    let calibrated = deal(&[centred], &light)[0];
+    let taken = deal(&mouths, &light);
     members.iter_mut().zip(taken).for_each(|(member, light)| member.power = light / calibrated);
 }
 

@@ -33,7 +33,7 @@ const FILES: [&str; 8] = [
 #[test]
 fn everything_is_there() {
     let files = bunny().files();
-    for name in FILES.iter().chain(&["timings.json", "cutaway.png"]) {
+    for name in FILES.iter().chain(&["timings.json", "cutaway.png", "routes.png"]) {
         assert!(files.iter().any(|f| f == name), "{name} is missing among {files:?}");
     }
 }
