@@ -11,7 +11,7 @@ use fibar_plugin::StageError;
 use glam::DVec3;
 
 /// Points per span of the curve.
-const POINTS: u32 = 12;
+const POINTS: u32 = 4;
 
 /// Decibels per cm of an absorption of 1 per mm: `10·log10(e)·10`.
 const DB_PER_CM: f64 = 43.429_448_190_325_18;

@@ -9,6 +9,8 @@ mod bernstein;
 mod ends;
 mod gap;
 mod judgement;
+#[cfg(test)]
+mod mutation;
 mod socket_gap;
 mod strand;
 mod wall;

@@ -69,6 +69,7 @@ impl Stage for VerifyLight {
         report_bounds(&summary, job);
         if let Some(range) = &range {
             job.metric("light.track_range_mm", range.coupled_mm, "mm");
+            job.metric("light.track_range_half_mm", range.half_mm, "mm");
             job.metric("light.track_range_uncoupled_mm", range.uncoupled_mm, "mm");
         }
         let verdict = summary.verdict(&law, &params, range.as_ref());
@@ -141,8 +142,9 @@ fn find_range(sights: &[Sight], params: &Params, job: &Job) -> Result<Option<Ran
     let coupled: Vec<f64> = sights.iter().map(Sight::coupled_d_cam_mm).collect();
     let uncoupled: Vec<f64> = sights.iter().map(|s| s.d_cam_mm).collect();
     Ok(Some(Range {
-        coupled_mm: stage.range(&coupled),
-        uncoupled_mm: stage.range(&uncoupled),
+        coupled_mm: stage.range(&coupled, reach::MOST),
+        half_mm: stage.range(&coupled, 0.5),
+        uncoupled_mm: stage.range(&uncoupled, reach::MOST),
         shares: SHOWN_MM.map(|distance| (distance, stage.share(&coupled, distance))).into(),
     }))
 }

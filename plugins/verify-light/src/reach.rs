@@ -3,7 +3,7 @@
 //! A view is a direction above the base's horizon, drawn at random and known to nobody who placed the markers. A camera in
 //! that direction sees a marker if it stands within the emission cone, nothing of the body is in between (rays of
 //! `fibar-ruler`), and no further from the marker than its reach. The range is the largest distance from the middle of the body
-//! at which [`SHARE`] of the views see [`ENOUGH`] markers that are not in one plane.
+//! at which a share of the views, [`MOST`] of them, see [`ENOUGH`] markers that are not in one plane.
 
 use fibar_core::artefact::constellation::Constellation;
 use fibar_ruler::surface::ClosedSurface;
@@ -15,7 +15,7 @@ use rayon::prelude::*;
 /// Markers that a pose needs.
 pub const ENOUGH: usize = 6;
 /// Share of the views that must see them.
-pub const SHARE: f64 = 0.99;
+pub const MOST: f64 = 0.99;
 /// Markers nearer than this to a common plane, root mean square, are in one plane, mm.
 const PLANE_MM: f64 = 1.0;
 /// Distances are found to this, mm.
@@ -65,12 +65,12 @@ impl<'a> Stage<'a> {
         }
     }
 
-    /// The range for these reaches, one per marker, mm; 0 if no distance will do.
-    pub fn range(&self, reach: &[f64]) -> f64 {
+    /// The range for these reaches, one per marker, and a share of the views, mm; 0 if no distance will do.
+    pub fn range(&self, reach: &[f64], share: f64) -> f64 {
         const COARSE_MM: f64 = 25.0;
         let farthest = reach.iter().copied().fold(0.0, f64::max) + self.size();
         let steps = (farthest / COARSE_MM).ceil() as u32;
-        let will_do = |distance: f64| self.will_do(reach, distance);
+        let will_do = |distance: f64| self.will_do(reach, distance, share);
         let coarse = (1..=steps).rev().map(|k| f64::from(k) * COARSE_MM).find(|d| will_do(*d));
         let Some(mut low) = coarse else { return 0.0 };
         let mut high = low + COARSE_MM;
@@ -82,9 +82,9 @@ impl<'a> Stage<'a> {
     }
 
     /// Whether enough views see enough; gives up once too many do not.
-    fn will_do(&self, reach: &[f64], distance: f64) -> bool {
+    fn will_do(&self, reach: &[f64], distance: f64, share: f64) -> bool {
         const PORTION: usize = 250;
-        let allowed = (1.0 - SHARE) * self.directions.len() as f64 + 1e-9;
+        let allowed = (1.0 - share) * self.directions.len() as f64 + 1e-9;
         let mut blind = 0;
         self.directions.chunks(PORTION).all(|portion| {
             blind += portion.par_iter().filter(|d| !self.sees_enough(**d, reach, distance)).count();
@@ -211,7 +211,7 @@ mod tests {
         };
         let lit: Vec<usize> = (0..constellation.markers.len()).collect();
         let stage = Stage::of(&body, DVec3::Z * 40.0, &constellation, &lit, views);
-        let found = stage.range(&vec![reach; lit.len()]);
+        let found = stage.range(&vec![reach; lit.len()], MOST);
         assert!(range.contains(&found), "{faces} faces, {lowest_deg}°, {emission_deg}°: {found} mm");
     }
 

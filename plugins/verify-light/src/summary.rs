@@ -22,6 +22,8 @@ pub struct Summary {
 pub struct Range {
     /// With the light that fibres share, mm.
     pub coupled_mm: f64,
+    /// The same for half of the views, mm.
+    pub half_mm: f64,
     /// Were every fibre its LED's only one, mm.
     pub uncoupled_mm: f64,
     /// Share of the views that see enough, by distance in mm.
@@ -162,8 +164,9 @@ impl Range {
         let shares: Vec<String> =
             self.shares.iter().map(|(d, share)| format!("{:.1} % at {d} mm", 100.0 * share)).collect();
         let message = format!(
-            "largest distance at which 99 % of held-out views see at least six markers that are not in one plane; {:.0} mm were \
-             every fibre its LED's only one. Views that see them: {}",
+            "largest distance at which 99 % of held-out views see at least six markers that are not in one plane; {:.0} mm for half \
+             of the views, {:.0} mm for 99 % were every fibre its LED's only one. Views that see them: {}",
+            self.half_mm,
             self.uncoupled_mm,
             shares.join(", ")
         );

@@ -63,6 +63,19 @@ fn skin(object: &Object) -> RoleWalls {
     sorted(Role::Skin, others.filter_map(wall).collect())
 }
 
+/// The least distances between the outer surfaces of fibres of two LEDs, one per pair, nearest first; pairs further apart than a
+/// wall is looked for are left out.
+pub fn bridges(object: &Object) -> Vec<(String, Wall)> {
+    let outer: Vec<&Part> = object.of_role(Role::Black).collect();
+    let trees: Vec<Bvh> = outer.iter().map(|part| Bvh::of(&triangles(&part.mesh))).collect();
+    let bridge = |(k, j): (usize, usize)| {
+        let name = format!("{} and {}", outer[j].name, outer[k].name);
+        Some((name, thinnest(&triangles(&outer[k].mesh), &trees[j])?))
+    };
+    let pairs = (0..outer.len()).flat_map(|k| (0..k).map(move |j| (k, j)));
+    sorted(Role::Black, pairs.filter_map(bridge).collect()).walls
+}
+
 fn sorted(role: Role, mut walls: Vec<(String, Wall)>) -> RoleWalls {
     walls.sort_by(|a, b| a.1.thickness.total_cmp(&b.1.thickness).then_with(|| a.0.cmp(&b.0)));
     RoleWalls { role, walls }
@@ -136,6 +149,29 @@ mod tests {
         check(thick, thick, thick, [0.7, 0.7, 0.7]);
         check(DVec3::new(0.5, 0.9, 0.8), thick, thick, [0.5, 0.7, 0.7]);
         check(thick, DVec3::new(0.9, 0.9, 0.3), DVec3::new(2.0, 0.4, 2.0), [0.7, 0.3, 0.4]);
+    }
+
+    #[test]
+    fn bridges_span_the_gap_between_fibres() {
+        let at = |x: f64| cuboid(DVec3::new(x, -1.0, -1.0), DVec3::new(x + 2.0, 1.0, 1.0));
+        let black = |(k, x): (u32, f64)| Part {
+            name: format!("black-led{k}"),
+            role: Role::Black,
+            led: Some(fibar_core::LedId(k)),
+            mesh: at(x),
+            merged_vertices: 0,
+        };
+        let mut object = object(at(-9.0), &[]);
+        object.parts = [(0, 0.0), (1, 2.3), (2, 5.0), (3, 90.0)].map(black).into();
+        let found = bridges(&object);
+        let names: Vec<&str> = found.iter().map(|(name, _)| name.as_str()).collect();
+        assert_eq!(
+            names,
+            ["black-led0 and black-led1", "black-led1 and black-led2", "black-led0 and black-led2"]
+        );
+        let gaps: Vec<f64> = found.iter().map(|(_, bridge)| bridge.thickness).collect();
+        assert!(gaps.iter().zip([0.3, 0.7, 3.0]).all(|(f, e)| (f - e).abs() < 1e-9), "{gaps:?}");
+        assert!((found[0].1.place.x - 2.15).abs() < 1e-9);
     }
 
     #[test]

@@ -42,6 +42,9 @@ struct Params {
     /// Least thickness of cladding and black.
     #[schemars(range(min = 0.0, max = 10.0), extend("unit" = "mm"))]
     min_layer_mm: f64,
+    /// Least distance between the outer surfaces of fibres of two LEDs; 0 judges nothing.
+    #[schemars(range(min = 0.0, max = 20.0), extend("unit" = "mm"))]
+    min_fibre_gap_mm: f64,
     /// How much any wall may fall short of what is asked.
     #[schemars(range(min = 0.0, max = 1.0), extend("unit" = "mm"))]
     wall_tolerance_mm: f64,
@@ -59,6 +62,7 @@ impl Default for Params {
             max_overlap_mm3: 0.1,
             max_gap_mm3: 0.1,
             min_layer_mm: 0.5,
+            min_fibre_gap_mm: 0.0,
             wall_tolerance_mm: 0.01,
             end_zone_mm: 4.8,
         }
@@ -92,7 +96,9 @@ impl Stage for VerifySolids {
         let scanned = scan::scan(&object, params.line_spacing_mm);
         job.progress(0.6, "walls")?;
         let walls = layers::measure(&object, params.end_zone_mm);
-        let judged = verdict::judge(&params, &object, &topologies, &scanned, &walls);
+        let mut judged = verdict::judge(&params, &object, &topologies, &scanned, &walls);
+        job.progress(0.9, "gaps between fibres")?;
+        verdict::judge_fibre_gaps(&params, &layers::bridges(&object), &mut judged);
         judged.report(job);
         let verdict = Verdict::new("verify-solids", judged.findings);
         job.write("verdict", "verdict-verify-solids.json", &verdict.to_json())

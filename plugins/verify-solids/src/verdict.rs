@@ -6,6 +6,7 @@ use crate::layers::RoleWalls;
 use crate::part::Object;
 use crate::sum::{Sums, Total};
 use crate::topology::{self, Topology};
+use crate::wall::Wall;
 use fibar_core::artefact::sockets::Sockets;
 use fibar_core::artefact::verdict::{Finding, Place};
 use fibar_core::material::Role;
@@ -209,7 +210,31 @@ fn judge_walls(params: &Params, object: &Object, role: &RoleWalls, judged: &mut 
     judged.metrics.push((metric, thinnest.thickness, "mm", Some(thinnest.place)));
 }
 
-fn place_of_wall((name, wall): &(String, crate::wall::Wall)) -> Place {
+/// Holds the gaps between fibres of different LEDs, the nearest pair first, against what is asked.
+pub fn judge_fibre_gaps(params: &Params, bridges: &[(String, Wall)], judged: &mut Judged) {
+    const LISTED: usize = 5;
+    let Some((name, nearest)) = bridges.first() else { return };
+    let bound = params.min_fibre_gap_mm - params.wall_tolerance_mm;
+    let near = bridges.iter().filter(|(_, bridge)| bridge.thickness < bound).count();
+    judged.findings.push(Finding {
+        rule: "solids.fibre_gap".into(),
+        holds: near == 0,
+        value: nearest.thickness,
+        unit: "mm".into(),
+        bound: Some(bound),
+        message: format!(
+            "gap between the meshes of two LEDs' fibres: least {:.4} mm ({name}), {} mm less {} mm asked; {near} of {} pairs too near",
+            nearest.thickness,
+            params.min_fibre_gap_mm,
+            params.wall_tolerance_mm,
+            bridges.len()
+        ),
+        places: bridges.iter().take(near.max(LISTED)).map(place_of_wall).collect(),
+    });
+    judged.metrics.push(("solids.min_fibre_gap_mm".into(), nearest.thickness, "mm", Some(nearest.place)));
+}
+
+fn place_of_wall((name, wall): &(String, Wall)) -> Place {
     Place { position: wall.place, value: wall.thickness, what: name.clone() }
 }
 
