@@ -5,18 +5,20 @@
 //! lie inside the body, or the stage says where they do not.
 
 mod base;
+mod face;
 mod layout;
 mod outline;
 mod params;
 
 use base::Base;
+use face::Face;
 use fibar_core::artefact::Document;
 use fibar_core::artefact::mesh::TriangleMesh;
 use fibar_core::artefact::sockets::{Hole, Socket, Sockets};
 use fibar_core::{LedId, PatternId};
 use fibar_plugin::{Description, Job, Stage, StageError, serve};
 use glam::{DVec2, DVec3};
-use params::Params;
+use params::{Layout, Params};
 
 struct SocketLed;
 
@@ -24,15 +26,18 @@ impl Stage for SocketLed {
     type Params = Params;
 
     fn describe() -> Description {
-        Description::new("socket-led", "Finds poses for the LED sockets in the flat base of the body.")
-            .version(env!("CARGO_PKG_VERSION"))
-            .input("body", "body", "The closed body, base at z = 0, mm.")
-            .published(
-                "sockets",
-                "sockets",
-                "sockets.json",
-                "Tips and axes of the LEDs, and the hole that takes one.",
-            )
+        Description::new(
+            "socket-led",
+            "Finds poses for the LED sockets in the flat base, or another flat face, of the body.",
+        )
+        .version(env!("CARGO_PKG_VERSION"))
+        .input("body", "body", "The closed body, base at z = 0, mm.")
+        .published(
+            "sockets",
+            "sockets",
+            "sockets.json",
+            "Tips and axes of the LEDs, and the hole that takes one.",
+        )
     }
 
     fn run(params: Params, job: &mut Job) -> Result<(), StageError> {
@@ -48,58 +53,83 @@ impl Stage for SocketLed {
 /// The sockets, and the least distance from an axis to the body's side, mm.
 fn place_sockets(body: &TriangleMesh, params: &Params) -> Result<(Sockets, f64), StageError> {
     params.check()?;
+    let face = Face::choose(body, params)?;
     let offsets = layout::offsets(params);
-    let base = Base::new(body, params.flatness_mm, params.depth_mm + params.lead_mm);
+    let base = Base::new(&face.lay_down(body), params.flatness_mm, params.depth_mm + params.lead_mm);
     let Some(centroid) = base.centroid() else { return Err(no_base(body)) };
-    let centre = match params.centre_mm {
-        Some(centre) => DVec2::from(centre),
-        None => base.nearest_place(centroid, &offsets, params.needed_room_mm()),
+    let centre = match (params.centre_mm, params.layout) {
+        (Some(centre), _) => DVec2::from(centre),
+        (None, Layout::Free) => DVec2::ZERO,
+        (None, _) => base.nearest_place(centroid, &offsets, params.needed_room_mm()),
     };
+    check_apart(&offsets, centre, &face, params)?;
     let (tightest, room) = base.tightest(centre, &offsets);
     if room < params.needed_room_mm() {
-        return Err(no_room(tightest, room, centre + offsets[tightest], params));
+        return Err(no_room(tightest, room, face.place(centre + offsets[tightest], 0.0), params));
     }
-    Ok((sockets(centre, &offsets, params), room))
+    Ok((sockets(centre, &offsets, &face, params), room))
 }
 
 /// LED `k` at offset `k`, blinking pattern `k + 1`.
-fn sockets(centre: DVec2, offsets: &[DVec2], params: &Params) -> Sockets {
+fn sockets(centre: DVec2, offsets: &[DVec2], face: &Face, params: &Params) -> Sockets {
     let socket = |(k, offset): (u32, &DVec2)| Socket {
         led: LedId(k),
         pattern: PatternId(k + 1),
-        position: (centre + *offset).extend(params.depth_mm),
-        axis: DVec3::Z,
+        position: face.place(centre + *offset, params.depth_mm),
+        axis: face.inwards(),
     };
     let hole = Hole { diameter_mm: params.hole_diameter_mm, depth_mm: params.depth_mm };
     Sockets::new(hole, (0..).zip(offsets).map(socket).collect())
+}
+
+/// Holes of two LEDs need a wall between them.
+fn check_apart(offsets: &[DVec2], centre: DVec2, face: &Face, params: &Params) -> Result<(), StageError> {
+    let Some(([one, other], distance)) = layout::closest_pair(offsets) else { return Ok(()) };
+    let needed = params.needed_pitch_mm();
+    if distance >= needed * (1.0 - 1e-12) {
+        return Ok(());
+    }
+    let message = format!(
+        "LEDs {one} and {other}, {distance:.2} mm apart, leave no {} mm wall between holes of {} mm",
+        params.wall_mm, params.hole_diameter_mm
+    );
+    let place = face.place(centre + offsets[one].midpoint(offsets[other]), 0.0);
+    let error = match params.layout {
+        Layout::Free => StageError::user(message).param("/places_mm").hint(format!("{needed} mm would do")),
+        _ => StageError::user(message)
+            .param("/pitch_mm")
+            .hint(format!("pitch_mm must be at least {needed} mm here")),
+    };
+    Err(error.place_mm(place.to_array()))
 }
 
 fn no_base(body: &TriangleMesh) -> StageError {
     let low = body.vertices.iter().copied().min_by(|a, b| a.z.total_cmp(&b.z)).unwrap_or(DVec3::ZERO);
     StageError::input("the body has no flat face at z = 0 for the LEDs; its lowest point is the place given")
         .place_mm(low.to_array())
-        .hint("cut one: flatten_base_mm of repair-manifold takes that much off the bottom")
+        .hint("cut one: flatten_base_mm of repair-manifold takes that much off the bottom; or choose another face by face_normal")
 }
 
-fn no_room(led: usize, room: f64, at: DVec2, params: &Params) -> StageError {
+fn no_room(led: usize, room: f64, at: DVec3, params: &Params) -> StageError {
     let needed = params.needed_room_mm();
     let top = params.depth_mm + params.lead_mm;
-    let found = if room > 0.0 {
-        format!("the body leaves {room:.2} mm there")
-    } else {
-        "the body's flat base is not under it".to_string()
+    let (plane, under) = match params.face_normal {
+        None => ("z = 0", "the body's flat base is not under it"),
+        Some(_) => ("the face", "the chosen face is not under it"),
     };
+    let found = if room > 0.0 { format!("the body leaves {room:.2} mm there") } else { under.to_string() };
     let message = format!(
-        "no room for the socket of LED {led}: it needs {needed:.2} mm around its axis from z = 0 to {top:.2} mm, and {found}"
+        "no room for the socket of LED {led}: it needs {needed:.2} mm around its axis from {plane} to {top:.2} mm, and {found}"
     );
-    let error = match params.centre_mm {
-        Some(_) => StageError::user(message).param("/centre_mm").hint(
+    let error = match (params.centre_mm, params.layout) {
+        (_, Layout::Free) => StageError::user(message).param("/places_mm").hint("move this LED, or make wall_mm smaller"),
+        (Some(_), _) => StageError::user(message).param("/centre_mm").hint(
             "leave centre_mm out to let the stage look for a place, or try a smaller pitch_mm",
         ),
-        None => StageError::input(format!("{message} (this is the best place of the base)"))
+        (None, _) => StageError::input(format!("{message} (this is the best place of the face)"))
             .hint("try a smaller pitch_mm or count, a larger fit_mm of source-mesh, or a larger flatten_base_mm of repair-manifold"),
     };
-    error.place_mm([at.x, at.y, 0.0])
+    error.place_mm(at.to_array())
 }
 
 fn main() -> std::process::ExitCode {
@@ -107,11 +137,13 @@ fn main() -> std::process::ExitCode {
 }
 
 #[cfg(test)]
-mod tests {
+pub mod tests {
+    //! Bodies with flat faces.
+
     use super::*;
 
     /// A frustum with square ends: half widths at z = 0 and at the given height.
-    fn frustum(bottom: f64, top: f64, height: f64) -> TriangleMesh {
+    pub fn frustum(bottom: f64, top: f64, height: f64) -> TriangleMesh {
         let ring = |h: f64, z: f64| [(-h, -h), (h, -h), (h, h), (-h, h)].map(|(x, y)| DVec3::new(x, y, z));
         let vertices = [ring(bottom, 0.0), ring(top, height)].concat();
         let side = |k: u32| [[k, (k + 1) % 4, 4 + k], [(k + 1) % 4, 4 + (k + 1) % 4, 4 + k]];
@@ -119,7 +151,8 @@ mod tests {
         TriangleMesh { vertices, triangles: caps.into_iter().chain((0..4).flat_map(side)).collect() }
     }
 
-    fn moved(mut mesh: TriangleMesh, by: DVec3) -> TriangleMesh {
+    /// A mesh elsewhere.
+    pub fn moved(mut mesh: TriangleMesh, by: DVec3) -> TriangleMesh {
         mesh.vertices.iter_mut().for_each(|v| *v += by);
         mesh
     }
@@ -159,6 +192,62 @@ mod tests {
         check(&wide, with(|p| p.centre_mm = Some([9.0, 0.0])), "LED 1: it needs 3.60 mm");
         check(&wide, with(|p| p.centre_mm = Some([90.0, 0.0])), "flat base is not under it");
         check(&wide, with(|p| p.pitch_mm = 5.5), "holes of 5.2 mm");
+        check(&wide, with(|p| p.count = 8), "a hexagon has seven places");
+        check(&wide, with(|p| p.layout = Layout::Free), "no place for an LED");
+        let free = |places: &[[f64; 2]]| Params {
+            layout: Layout::Free,
+            places_mm: places.to_vec(),
+            ..Params::default()
+        };
+        check(&wide, free(&[[0.0, 0.0], [30.0, 0.0]]), "LED 1: it needs 3.60 mm");
+        check(&wide, free(&[[0.0, 0.0], [9.0, 0.0], [9.0, 5.0]]), "LEDs 1 and 2, 5.00 mm apart");
+        check(&wide, with(|p| p.face_normal = Some([1.0, 1.0, 1.0])), "no face that looks along");
+        check(
+            &frustum(20.0, 20.0, 9.0),
+            with(|p| p.face_normal = Some([0.0, 0.0, 1.0])),
+            "from the face to 11.10 mm",
+        );
+    }
+
+    #[test]
+    fn errors_carry_their_place() {
+        let check = |params: Params, place: [f64; 3]| {
+            let error = place_sockets(&frustum(20.0, 20.0, 40.0), &params).unwrap_err();
+            assert_eq!(error.clone().place_mm(place), error);
+        };
+        let free = |places: &[[f64; 2]]| Params {
+            layout: Layout::Free,
+            places_mm: places.to_vec(),
+            ..Params::default()
+        };
+        check(free(&[[0.0, 0.0], [30.0, 1.0]]), [30.0, 1.0, 0.0]);
+        check(free(&[[0.0, 0.0], [9.0, 0.0], [9.0, 5.0]]), [9.0, 2.5, 0.0]);
+        let top = Params { face_normal: Some([0.0, 0.0, 1.0]), ..free(&[[30.0, 0.0]]) };
+        check(top, [30.0, 0.0, 40.0]);
+    }
+
+    #[test]
+    fn leds_in_the_side_look_across() {
+        let body = frustum(20.0, 20.0, 40.0);
+        let params = Params {
+            layout: Layout::Grid,
+            count: 4,
+            pitch_mm: 12.0,
+            face_normal: Some([0.0, -1.0, 0.0]),
+            ..Params::default()
+        };
+        let (sockets, room) = place_sockets(&body, &params).unwrap();
+        assert!((room - 14.0).abs() < 1e-9, "{room}");
+        for socket in &sockets.sockets {
+            assert!(
+                socket.axis.distance(DVec3::Y) < 1e-12 && (socket.position.y + 11.4).abs() < 1e-9,
+                "{socket:?}"
+            );
+            assert!(
+                (socket.position.x.abs() - 6.0).abs() < 1e-9
+                    && ((socket.position.z - 20.0).abs() - 6.0).abs() < 1e-9
+            );
+        }
     }
 
     #[test]
