@@ -24,6 +24,12 @@ pub fn sequence_distance<T: PartialEq>(a: &[T], b: &[T]) -> usize {
     strsim::generic_levenshtein(&Sequence(a), &Sequence(b))
 }
 
+/// Least Levenshtein distance between two sequences over all rotations of one: the same at any roll of the camera.
+pub fn cyclic_distance<T: PartialEq + Clone>(a: &[T], b: &[T]) -> usize {
+    let turned = |k: usize| [&b[k..], &b[..k]].concat();
+    (0..b.len().max(1)).map(|k| sequence_distance(a, &turned(k))).min().expect("one rotation at least")
+}
+
 /// A slice whose reference can be iterated over without naming a lifetime, as strsim wants it.
 struct Sequence<'a, T>(&'a [T]);
 

@@ -83,3 +83,14 @@ impl From<fibar_core::artefact::ArtefactError> for StageError {
         StageError::input(error.to_string())
     }
 }
+
+impl From<fibar_core::code_set::CodeSetError> for StageError {
+    /// Blames the parameter of the same name as the plan's field, or the sockets.
+    fn from(error: fibar_core::code_set::CodeSetError) -> StageError {
+        match error.field {
+            Some(field) => StageError::user(error.message).param(format!("/{field}")),
+            None => StageError::input(error.message),
+        }
+        .hint(error.hint)
+    }
+}

@@ -3,9 +3,9 @@
 //! The paper fixes the chromosome, the objective and the stopping rule; the rest is ours (`docs/assign-genetic.md`).
 //! Random numbers are drawn by one thread, chromosomes are evaluated by all.
 
-use crate::image::Images;
 use crate::objective::{Evaluated, Rules};
 use crate::params::Params;
+use fibar_core::images::Images;
 use rand::RngExt;
 use rand::SeedableRng;
 use rand::seq::IndexedRandom;

@@ -1,14 +1,11 @@
 //! `assign-genetic`: which site becomes a marker, and which code it blinks (Tone 2020, "Marker placement").
 //!
-//! Along the data: sites are projected into the images of all viewpoints (`image`), neighbours in them are found by
+//! Along the data: sites are projected into the images of all viewpoints (`fibar_core::images`), neighbours in them are found by
 //! Delaunay triangulation (`topology`), an assignment is judged by the paper's objective (`objective`) and improved by a
 //! genetic algorithm (`genetic`). What a code is, who is a neighbour and how a name is looked up is defined in
 //! `fibar-core`; the evaluation here gives the same answers sooner, which its tests check against those definitions.
 
-mod codes;
 mod genetic;
-mod image;
-mod levenshtein;
 mod lists;
 mod objective;
 mod params;
@@ -19,10 +16,11 @@ use fibar_core::artefact::Document;
 use fibar_core::artefact::constellation::{Constellation, Marker, Pattern};
 use fibar_core::artefact::sites::Sites;
 use fibar_core::artefact::sockets::Sockets;
+use fibar_core::code_set::codes_for;
+use fibar_core::images::Images;
 use fibar_core::{MarkerId, PatternId};
 use fibar_plugin::{Description, Job, Stage, StageError, serve};
 use genetic::Found;
-use image::Images;
 use objective::Evaluated;
 use params::Params;
 
@@ -53,7 +51,7 @@ impl Stage for AssignGenetic {
 
     fn run(params: Params, job: &mut Job) -> Result<(), StageError> {
         let sites = Sites::from_json(&job.read("sites")?)?;
-        let codes = codes::codes_for(&Sockets::from_json(&job.read("sockets")?)?, &params)?;
+        let codes = codes_for(&Sockets::from_json(&job.read("sockets")?)?, params.code_plan())?;
         let images = take_images(&sites)?;
         let seed = job.seed();
         let found = genetic::search(&images, codes.len() as u8, &params, seed, |iterations, objective| {

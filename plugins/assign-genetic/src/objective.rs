@@ -5,10 +5,10 @@
 //! up anew when an entry that it could be mistaken for changes. All sums over views are of whole numbers, so the result
 //! does not depend on the way it was reached, to the bit.
 
-use crate::image::Images;
-use crate::levenshtein::{Needle, SYMBOLS};
 use crate::reading::Reading;
 use crate::topology::Topology;
+use fibar_core::images::Images;
+use fibar_core::levenshtein::{Needle, SYMBOLS};
 use std::sync::Arc;
 
 /// The objective's constants.

@@ -1,5 +1,7 @@
 //! The parameters of the stage.
 
+use fibar_core::code_set::CodePlan;
+
 /// The objective of Tone 2020 and what its genetic algorithm leaves open; see `docs/assign-genetic.md`.
 #[derive(Clone, Debug, serde::Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields, default)]
@@ -62,5 +64,12 @@ impl Default for Params {
             companion_bits: 3,
             codes: None,
         }
+    }
+}
+
+impl Params {
+    /// What is said about the codes.
+    pub fn code_plan(&self) -> CodePlan {
+        CodePlan { degree: self.degree, companion_bits: self.companion_bits, codes: self.codes }
     }
 }

@@ -1,7 +1,7 @@
 //! What the views read of one marker: for every ring of neighbours, the sequence of their patterns.
 
-use crate::levenshtein::Counts;
 use crate::topology::Sightings;
+use fibar_core::levenshtein::Counts;
 
 /// The sequences of one marker, in the order of its sightings.
 #[derive(Default)]

@@ -3,9 +3,9 @@
 //! Only a marker that appears or disappears changes this, and only in the images that show it; there, only its neighbours
 //! see a difference. Images once triangulated are remembered.
 
-use crate::image::Images;
 use crate::lists::Lists;
 use fibar_core::adjacency::clockwise_neighbours;
+use fibar_core::images::Images;
 use glam::DVec2;
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex};

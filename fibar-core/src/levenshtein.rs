@@ -1,8 +1,8 @@
 //! Levenshtein distance from one sequence to many, bit-parallel (Myers 1999, in Hyyrö's form for whole sequences).
 //!
-//! The same numbers as `fibar_core::recognition::sequence_distance`, an order of magnitude sooner.
+//! The same numbers as `crate::recognition::sequence_distance`, an order of magnitude sooner.
 
-use fibar_core::recognition::sequence_distance;
+use crate::recognition::sequence_distance;
 
 /// More symbols than this do not occur: patterns are numbered from 1 to 15.
 pub const SYMBOLS: usize = 16;
@@ -59,6 +59,17 @@ impl Needle {
         self.distance_below(other, u32::MAX).expect("no limit was set")
     }
 
+    /// The least distance to any rotation of the other: neighbours around a marker have an order but no first.
+    pub fn cyclic_distance(&self, other: &[u8]) -> u32 {
+        let mut turned = other.to_vec();
+        let mut least = self.distance(other);
+        for _ in 1..other.len() {
+            turned.rotate_left(1);
+            least = self.distance_below(&turned, least).unwrap_or(least);
+        }
+        least
+    }
+
     /// Whether the distance to a sequence with these counts of symbols is less than a limit; the counts alone often tell.
     pub fn is_nearer(&self, other: &[u8], counts: &Counts, limit: u32) -> bool {
         let length_difference = self.sequence.len().abs_diff(other.len()) as u32;
@@ -104,25 +115,30 @@ impl Needle {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use fibar_core::PatternId;
-    use rand::{RngExt, SeedableRng};
+    use crate::PatternId;
+    use crate::recognition::{cyclic_distance, sequence_distance};
+    use proptest::prelude::*;
 
-    #[test]
-    fn distances_are_those_of_the_recogniser() {
-        let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(2);
-        let ids = |s: &[u8]| s.iter().map(|&x| PatternId(u32::from(x))).collect::<Vec<_>>();
-        for round in 0..3000 {
-            let longest = if round % 10 == 0 { 70 } else { 9 };
-            let mut sequence = || {
-                let length = rng.random_range(0..=longest);
-                (0..length).map(|_| rng.random_range(1..=7)).collect::<Vec<u8>>()
-            };
-            let (a, b) = (sequence(), sequence());
-            assert_eq!(
-                Needle::new(&a).distance(&b) as usize,
-                sequence_distance(&ids(&a), &ids(&b)),
-                "{a:?} {b:?}"
-            );
+    fn ids(sequence: &[u8]) -> Vec<PatternId> {
+        sequence.iter().map(|&x| PatternId(u32::from(x))).collect()
+    }
+
+    proptest! {
+        #[test]
+        fn distances_are_those_of_the_recogniser(
+            a in prop::collection::vec(1u8..8, 0..10),
+            b in prop::collection::vec(1u8..8, 0..10),
+        ) {
+            prop_assert_eq!(Needle::new(&a).distance(&b) as usize, sequence_distance(&ids(&a), &ids(&b)));
+            prop_assert_eq!(Needle::new(&a).cyclic_distance(&b) as usize, cyclic_distance(&ids(&a), &ids(&b)));
+        }
+
+        #[test]
+        fn long_sequences_too(
+            a in prop::collection::vec(1u8..8, 0..90),
+            b in prop::collection::vec(1u8..8, 0..90),
+        ) {
+            prop_assert_eq!(Needle::new(&a).distance(&b) as usize, sequence_distance(&ids(&a), &ids(&b)));
         }
     }
 }

@@ -3,7 +3,7 @@
 //! A viewpoint is a pinhole camera that looks at the centre of the sphere of viewpoints, upright: +Z of the object points
 //! up in the image, at the poles +Y. Image coordinates: x right, y down, focal length 1.
 
-use fibar_core::artefact::sites::{Site, Sites};
+use crate::artefact::sites::{Site, Sites, View};
 use glam::{DVec2, DVec3};
 
 /// All images, over the sites that at least one of them shows.
@@ -31,7 +31,7 @@ impl Images {
         sites.views.iter().flat_map(|v| &v.visible).for_each(|&k| seen[k as usize] = true);
         let numbers: Vec<u32> =
             seen.iter().scan(0, |next, &s| Some(std::mem::replace(next, *next + u32::from(s)))).collect();
-        let image = |view: &fibar_core::artefact::sites::View| {
+        let image = |view: &View| {
             let camera = Camera::looking_at(sites.centre, view.position);
             let point = |&k: &u32| camera.project(sites.sites[k as usize].position);
             Image {
@@ -78,7 +78,6 @@ impl Camera {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use fibar_core::artefact::sites::View;
 
     #[test]
     fn images_are_upright() {
