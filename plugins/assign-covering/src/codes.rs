@@ -1,0 +1,153 @@
+//! Which code each marker blinks: annealing on how easily two markers of one code are taken for one another.
+//!
+//! `Σ_{p<q} Σ_{i,j} share(p,i) share(q,j) β^d(i,j)` over all pairs of markers of one code, where `i` and `j` are rings of neighbours
+//! of `p` and of `q`, and `d` is the least Levenshtein distance over all rotations between the codes in them: markers
+//! that look alike at some roll, also when some of their neighbours are missing, should not blink alike.
+
+use crate::annealing::Cooling;
+use crate::params::Params;
+use crate::rings::Rings;
+use fibar_core::levenshtein::Needle;
+use rand::seq::IndexedRandom;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+/// `β^d` for `d` = 0, 1, …; nothing beyond.
+const ALIKE: [f64; 4] = [1.0, 0.25, 0.0625, 0.015625];
+/// A marker more than the mean on one code costs so much times the square of the difference: an LED's light is shared.
+const CROWDED: f64 = 0.02;
+/// Temperatures at the beginning and at the end, in the unit of the cost.
+const HEAT: (f64, f64) = (0.1, 0.001);
+/// The number of the m-sequence.
+pub const M_SEQUENCE: u8 = 1;
+
+/// Codes by marker, and how much they confuse.
+#[derive(Clone)]
+pub struct Codes<'a> {
+    rings: &'a Rings,
+    seen_from: &'a [Vec<usize>],
+    /// The code of each marker, from 1.
+    pub genes: Vec<u8>,
+    counts: Vec<usize>,
+    read: Vec<Vec<Needle>>,
+    /// For every two markers, how alike they are if they blink alike; 0 if not. Only `p < q` is used.
+    alike: Vec<f64>,
+}
+
+impl<'a> Codes<'a> {
+    /// Codes to begin with; `patterns` of them exist.
+    pub fn new(rings: &'a Rings, seen_from: &'a [Vec<usize>], genes: Vec<u8>, patterns: u8) -> Codes<'a> {
+        let markers = rings.len();
+        let mut counts = vec![0; usize::from(patterns) + 1];
+        genes.iter().for_each(|&g| counts[usize::from(g)] += 1);
+        let alike = vec![0.0; markers * markers];
+        let mut codes = Codes { rings, seen_from, genes, counts, read: vec![Vec::new(); markers], alike };
+        codes.refresh(&(0..markers).collect::<Vec<_>>());
+        codes
+    }
+
+    /// What annealing makes smaller.
+    pub fn cost(&self) -> f64 {
+        let markers = self.genes.len();
+        let mean = markers as f64 / (self.counts.len() - 1) as f64;
+        let crowd = |&count: &usize| (count as f64 - mean).max(0.0) * (count as f64 - mean).max(0.0);
+        self.confusion() + CROWDED * self.counts[1..].iter().map(crowd).sum::<f64>()
+    }
+
+    /// The sum over all pairs of markers of one code.
+    pub fn confusion(&self) -> f64 {
+        let markers = self.genes.len();
+        (0..markers).map(|p| self.alike[p * markers + p + 1..(p + 1) * markers].iter().sum::<f64>()).sum()
+    }
+
+    /// Improves the codes of the markers that do not blink the m-sequence; the best on the way.
+    pub fn anneal(mut self, params: &Params, seed: u64, start: u32) -> Codes<'a> {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        rng.set_stream(u64::from(start));
+        let mut cooling = Cooling::new(HEAT.0, HEAT.1, params.code_moves);
+        let free: Vec<usize> = (0..self.genes.len()).filter(|&m| self.genes[m] != M_SEQUENCE).collect();
+        let mut best = self.clone();
+        let (mut cost, mut least) = (self.cost(), best.cost());
+        for _ in 0..params.code_moves {
+            let Some(change) = self.draw_change(&free, &mut rng) else { continue };
+            let undo = change.map(|(marker, _)| (marker, self.genes[marker]));
+            self.recode(&change);
+            let next = self.cost();
+            if !cooling.takes(next - cost, &mut rng) {
+                self.recode(&undo);
+                continue;
+            }
+            cost = next;
+            if cost < least {
+                (best, least) = (self.clone(), cost);
+            }
+        }
+        best
+    }
+
+    /// Two markers and their new codes: another code for one, the other as it was, or an exchange.
+    fn draw_change(&self, free: &[usize], rng: &mut ChaCha8Rng) -> Option<[(usize, u8); 2]> {
+        let (&one, &other) = (free.choose(rng)?, free.choose(rng)?);
+        let (code, other_code) = (self.genes[one], self.genes[other]);
+        if rng.random::<bool>() {
+            return (code != other_code).then_some([(one, other_code), (other, code)]);
+        }
+        let drawn = rng.random_range(M_SEQUENCE + 1..self.counts.len().max(3) as u8);
+        (drawn != code && one != other && usize::from(drawn) < self.counts.len())
+            .then_some([(one, drawn), (other, other_code)])
+    }
+
+    fn recode(&mut self, change: &[(usize, u8)]) {
+        let mut touched = Vec::new();
+        for &(marker, code) in change {
+            if self.genes[marker] != code {
+                self.counts[usize::from(self.genes[marker])] -= 1;
+                self.counts[usize::from(code)] += 1;
+                self.genes[marker] = code;
+                touched.push(marker);
+                touched.extend(&self.seen_from[marker]);
+            }
+        }
+        touched.sort_unstable();
+        touched.dedup();
+        self.refresh(&touched);
+    }
+
+    /// Reads the rings of these markers anew, and compares them with all others.
+    fn refresh(&mut self, touched: &[usize]) {
+        for &marker in touched {
+            let rings = self.rings.of(marker).iter();
+            let symbols = |members: &[usize]| members.iter().map(|&m| self.genes[m]).collect::<Vec<u8>>();
+            self.read[marker] = rings.map(|ring| Needle::new(&symbols(&ring.members))).collect();
+        }
+        let markers = self.genes.len();
+        for &marker in touched {
+            for other in (0..markers).filter(|&other| other != marker) {
+                let (p, q) = (marker.min(other), marker.max(other));
+                self.alike[p * markers + q] = self.likeness(p, q);
+            }
+        }
+    }
+
+    fn likeness(&self, p: usize, q: usize) -> f64 {
+        if self.genes[p] != self.genes[q] {
+            return 0.0;
+        }
+        let mut sum = 0.0;
+        for (ring, sequence) in std::iter::zip(self.rings.of(p), &self.read[p]) {
+            for (other_ring, other) in std::iter::zip(self.rings.of(q), &self.read[q]) {
+                if let Some(distance) = sequence.cyclic_distance_below(other, ALIKE.len() as u32) {
+                    sum += ring.share * other_ring.share * ALIKE[distance as usize];
+                }
+            }
+        }
+        sum
+    }
+}
+
+/// Codes for markers of which some blink the m-sequence: the others in turn.
+pub fn in_turn(m_sequence: &[bool], patterns: u8) -> Vec<u8> {
+    let mut turn = (M_SEQUENCE + 1..=patterns.max(M_SEQUENCE + 1)).cycle();
+    let code = |&m: &bool| if m || patterns == M_SEQUENCE { M_SEQUENCE } else { turn.next().unwrap_or(M_SEQUENCE) };
+    m_sequence.iter().map(code).collect()
+}

@@ -1,0 +1,195 @@
+//! What every camera sees of a choice of markers, and what is wrong with that, kept up to date as markers come and go.
+//!
+//! All sums are of whole numbers or of multiples of 2⁻⁶ mm, so that the cost does not depend on the way a choice was reached.
+
+use crate::sightlines::Sightlines;
+use fibar_core::artefact::sites::Sites;
+use glam::{DMat3, DVec3};
+
+/// Markers that a camera should see, not in one plane.
+const WANTED: usize = 6;
+/// Root mean square distance of the markers from the plane nearest to them above which they are not in one plane, mm: a little
+/// more than the tracker asks for, and what makes a good pose.
+const THICK_MM: [f64; 2] = [1.3, 4.0];
+/// From so many markers on one more changes nothing.
+const PLENTY: usize = 32;
+
+/// Costs of one camera, each on the scale of a share of all cameras, in millionths.
+struct Prices {
+    /// By the number of markers seen: names lost, and short of [`WANTED`].
+    seen: [i64; PLENTY + 1],
+    /// Too few or thinner than [`THICK_MM`].
+    flat: [i64; 2],
+    /// By the number of m-sequence markers seen.
+    m_sequences: [i64; 3],
+}
+
+/// A direction of the watch without an m-sequence marker, beside which all other costs are small.
+const BLIND: f64 = 10.0;
+/// A further m-sequence marker beyond the LED's fair share of all markers.
+const CROWDED: f64 = 0.0004;
+
+/// A choice of markers.
+#[derive(Clone)]
+pub struct Coverage<'a> {
+    lines: &'a Sightlines,
+    prices: std::sync::Arc<Prices>,
+    /// Sites relative to the middle, in multiples of 2⁻⁶ mm.
+    spots: std::sync::Arc<Vec<DVec3>>,
+    carried: Vec<Option<Blink>>,
+    survey: Vec<Tally>,
+    survey_cost: i64,
+    watch: Vec<u32>,
+    blind: usize,
+    m_sequences: usize,
+    /// m-sequence markers that cost nothing.
+    fair_share: usize,
+}
+
+/// What a marker blinks, as far as coverage goes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Blink {
+    /// The m-sequence.
+    MSequence,
+    /// Any other code.
+    Companion,
+}
+
+/// What one camera sees.
+#[derive(Clone, Copy, Default)]
+struct Tally {
+    count: usize,
+    m_sequences: usize,
+    sum: DVec3,
+    squares: DVec3,
+    /// Sums of yz, zx and xy.
+    products: DVec3,
+    cost: i64,
+}
+
+impl<'a> Coverage<'a> {
+    /// No marker anywhere.
+    pub fn blank(lines: &'a Sightlines, sites: &Sites, missing_share: f64, fair_share: usize) -> Coverage<'a> {
+        let spot = |p: DVec3| ((p - sites.centre) * 64.0).round() / 64.0;
+        let prices = Prices::new(missing_share);
+        let nothing = Tally { cost: prices.of(&Tally::default()), ..Tally::default() };
+        Coverage {
+            lines,
+            spots: sites.sites.iter().map(|s| spot(s.position)).collect::<Vec<_>>().into(),
+            carried: vec![None; sites.sites.len()],
+            survey_cost: nothing.cost * lines.survey as i64,
+            survey: vec![nothing; lines.survey],
+            watch: vec![0; lines.watch.len()],
+            blind: lines.watch.len(),
+            m_sequences: 0,
+            fair_share,
+            prices: prices.into(),
+        }
+    }
+
+    /// What a site carries.
+    pub fn carried(&self, site: usize) -> Option<Blink> {
+        self.carried[site]
+    }
+
+    /// Directions of the watch without an m-sequence marker.
+    pub fn blind_directions(&self) -> Vec<DVec3> {
+        (0..self.watch.len()).filter(|&k| self.watch[k] == 0).map(|k| self.lines.watch[k]).collect()
+    }
+
+    /// How bad the choice is; 1 is about one camera in a thousand without use.
+    pub fn cost(&self) -> f64 {
+        let share = |sum: f64, of: usize| sum / of.max(1) as f64;
+        1e3 * (share(self.survey_cost as f64 * 1e-6, self.lines.survey)
+            + BLIND * share(self.blind as f64, self.lines.watch.len())
+            + CROWDED * self.m_sequences.saturating_sub(self.fair_share) as f64)
+    }
+
+    /// Changes what a site carries.
+    pub fn carry(&mut self, site: usize, blink: Option<Blink>) {
+        let before = std::mem::replace(&mut self.carried[site], blink);
+        let spot = self.spots[site];
+        let change = |blink: Option<Blink>| {
+            (f64::from(blink.is_some()), usize::from(blink == Some(Blink::MSequence)))
+        };
+        let ((had, had_m), (has, has_m)) = (change(before), change(blink));
+        for &camera in &self.lines.surveyed_by[site] {
+            let tally = &mut self.survey[camera as usize];
+            self.survey_cost -= tally.cost;
+            tally.shift(spot, has - had);
+            tally.m_sequences = tally.m_sequences + has_m - had_m;
+            tally.cost = self.prices.of(tally);
+            self.survey_cost += tally.cost;
+        }
+        if had_m == has_m {
+            return;
+        }
+        self.m_sequences = self.m_sequences + has_m - had_m;
+        for &direction in &self.lines.watched_by[site] {
+            let watched = &mut self.watch[direction as usize];
+            self.blind -= usize::from(*watched == 0);
+            *watched = *watched + has_m as u32 - had_m as u32;
+            self.blind += usize::from(*watched == 0);
+        }
+    }
+}
+
+impl Tally {
+    /// Adds a marker (`times` 1), takes it away (−1), or nothing (0).
+    fn shift(&mut self, spot: DVec3, times: f64) {
+        self.count = (self.count as f64 + times) as usize;
+        self.sum += spot * times;
+        self.squares += spot * spot * times;
+        self.products += DVec3::new(spot.y * spot.z, spot.z * spot.x, spot.x * spot.y) * times;
+    }
+
+    /// Whether the markers are further than `thickness` from every plane, root mean square, mm: whether their covariance exceeds
+    /// its square in all directions (Sylvester's criterion).
+    fn is_thicker(&self, thickness: f64) -> bool {
+        let n = self.count as f64;
+        let mean = self.sum / n;
+        let off = self.products / n - DVec3::new(mean.y * mean.z, mean.z * mean.x, mean.x * mean.y);
+        let on = self.squares / n - mean * mean - thickness * thickness;
+        let matrix = DMat3::from_cols(
+            DVec3::new(on.x, off.z, off.y),
+            DVec3::new(off.z, on.y, off.x),
+            DVec3::new(off.y, off.x, on.z),
+        );
+        on.x > 0.0 && on.x * on.y > off.z * off.z && matrix.determinant() > 0.0
+    }
+}
+
+impl Prices {
+    fn new(missing_share: f64) -> Prices {
+        let short = |n: usize| WANTED.saturating_sub(n) as f64 / WANTED as f64;
+        // A missing share half as large again weighs a little too: it tells eight markers from twelve.
+        let lost = |n: usize| {
+            expected_loss(n, missing_share) + 0.1 * expected_loss(n, (1.5 * missing_share).min(0.9))
+        };
+        let price = |cost: f64| (cost * 1e6).round() as i64;
+        Prices {
+            seen: std::array::from_fn(|n| price(0.1 * lost(n) + 0.5 * short(n))),
+            flat: [price(0.3), price(0.02)],
+            m_sequences: [price(0.5), price(0.1), 0],
+        }
+    }
+
+    fn of(&self, tally: &Tally) -> i64 {
+        let flat = |k: usize| if tally.is_thicker(THICK_MM[k]) { 0 } else { self.flat[k] };
+        let flatness = if tally.count < 4 { self.flat[0] + self.flat[1] } else { flat(0) + flat(1) };
+        self.seen[tally.count.min(PLENTY)] + flatness + self.m_sequences[tally.m_sequences.min(2)]
+    }
+}
+
+/// Expected number of blobs without a sure name when each of `n` markers is missing with a probability: those of images with
+/// three blobs or fewer, which any pose explains.
+fn expected_loss(n: usize, missing: f64) -> f64 {
+    /// Share of names lost in images of so many blobs, as measured on held-out views (`docs/recognition.md`).
+    const LOST: [f64; 4] = [0.0, 1.0, 1.0, 0.5];
+    let blobs = |k: usize| {
+        let ways = (0..k).fold(1.0, |ways, i| ways * (n - i) as f64 / (i + 1) as f64);
+        ways * libm::pow(1.0 - missing, k as f64) * libm::pow(missing, (n - k) as f64)
+    };
+    (1..=n.min(3)).map(|k| blobs(k) * k as f64 * LOST[k]).sum()
+}
+
