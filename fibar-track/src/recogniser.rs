@@ -34,6 +34,8 @@ pub struct RecogniserOptions {
     pub max_near_triples: usize,
     /// Triples of any blobs tried afterwards at most, each with all markers that they could be.
     pub max_wide_triples: usize,
+    /// Triples of named blobs tried at the end at most, when the best pose leaves blobs unexplained.
+    pub max_named_triples: usize,
 }
 
 impl Default for RecogniserOptions {
@@ -45,6 +47,7 @@ impl Default for RecogniserOptions {
             early_share: 0.75,
             max_near_triples: 24,
             max_wide_triples: 12,
+            max_named_triples: 12,
         }
     }
 }
@@ -65,6 +68,7 @@ pub fn recognise(model: &Model, camera: &Camera, blobs: &[Blob], options: &Recog
     let mut search = Search { judge: Judge::new(model, camera, blobs), options, best: None, tried: 0 };
     search.try_near();
     search.try_wide();
+    search.try_named();
     search.conclude()
 }
 
@@ -121,6 +125,23 @@ impl Search<'_> {
                 }
             }
         }
+    }
+
+    /// Tries the poses of blobs far apart with the names that the best pose gives them. A pose may name most blobs rightly and still be
+    /// turned by ten degrees: on few near markers two poses look almost alike, and refinement does not lead from one to the other.
+    fn try_named(&mut self) {
+        let Some(best) = &self.best else { return };
+        let Judge { model, camera, blobs, .. } = self.judge;
+        let names = model.name(camera, &best.pose, blobs, self.options.gate_px);
+        if names.iter().all(Option::is_some) {
+            return;
+        }
+        let named = |triple: &Triple| {
+            Some((*triple, [names[triple[0]]?, names[triple[1]]?, names[triple[2]]?]))
+        };
+        let triples: Vec<(Triple, [usize; 3])> =
+            Triples::wide(model, blobs).filter_map(|t| named(&t)).take(self.options.max_named_triples).collect();
+        triples.iter().for_each(|(triple, markers)| self.try_markers(triple, *markers));
     }
 
     /// Tries three blobs as three markers.
