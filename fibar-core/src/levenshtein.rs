@@ -10,7 +10,9 @@ pub const SYMBOLS: usize = 16;
 /// A sequence prepared for comparison.
 #[derive(Clone, Debug)]
 pub struct Needle {
-    sequence: Vec<u8>,
+    length: usize,
+    /// The sequence twice over: every rotation of it is a part.
+    doubled: Vec<u8>,
     counts: Counts,
     /// For every symbol, the places where it occurs, one bit each; unused by sequences of more than 64.
     places: [u64; SYMBOLS],
@@ -46,12 +48,12 @@ impl Needle {
         for (k, &symbol) in sequence.iter().take(64).enumerate() {
             places[usize::from(symbol)] |= 1 << k;
         }
-        Needle { sequence: sequence.to_vec(), counts: Counts::of(sequence), places }
+        Needle { length: sequence.len(), doubled: sequence.repeat(2), counts: Counts::of(sequence), places }
     }
 
     /// The sequence itself.
     pub fn sequence(&self) -> &[u8] {
-        &self.sequence
+        &self.doubled[..self.length]
     }
 
     /// Least number of insertions, deletions and substitutions that make one sequence of the other.
@@ -66,41 +68,40 @@ impl Needle {
 
     /// The same if it is less than a limit; the counts of symbols alone often tell that it is not.
     pub fn cyclic_distance_below(&self, other: &Needle, limit: u32) -> Option<u32> {
-        let length_difference = self.sequence.len().abs_diff(other.sequence.len()) as u32;
+        let length_difference = self.length.abs_diff(other.length) as u32;
         if self.counts.bag_distance(&other.counts, length_difference) >= limit {
             return None;
         }
-        let mut turned = other.sequence.clone();
         let mut least = None;
-        for _ in 0..turned.len().max(1) {
-            least = self.distance_below(&turned, least.unwrap_or(limit)).or(least);
-            turned.rotate_left(1.min(other.sequence.len()));
+        for turn in 0..other.length.max(1) {
+            let turned = &other.doubled[turn..turn + other.length];
+            least = self.distance_below(turned, least.unwrap_or(limit)).or(least);
         }
         least
     }
 
     /// Whether the distance to a sequence with these counts of symbols is less than a limit; the counts alone often tell.
     pub fn is_nearer(&self, other: &[u8], counts: &Counts, limit: u32) -> bool {
-        let length_difference = self.sequence.len().abs_diff(other.len()) as u32;
+        let length_difference = self.length.abs_diff(other.len()) as u32;
         self.counts.bag_distance(counts, length_difference) < limit
             && self.distance_below(other, limit).is_some()
     }
 
     /// The distance if it is less than a limit.
     fn distance_below(&self, other: &[u8], limit: u32) -> Option<u32> {
-        let distance = match self.sequence.len() {
+        let distance = match self.length {
             0 => other.len() as u32,
             1..=64 => return self.bit_parallel_distance(other, limit),
-            _ => sequence_distance(&self.sequence, other) as u32,
+            _ => sequence_distance(self.sequence(), other) as u32,
         };
         (distance < limit).then_some(distance)
     }
 
     /// One column of the table of distances at a time, as bit vectors of its vertical steps up (`rises`) and down (`falls`).
     fn bit_parallel_distance(&self, other: &[u8], limit: u32) -> Option<u32> {
-        let last = self.sequence.len() - 1;
+        let last = self.length - 1;
         let (mut rises, mut falls) = (u64::MAX, 0u64);
-        let mut distance = self.sequence.len() as u32;
+        let mut distance = self.length as u32;
         for (&symbol, rest) in other.iter().zip((0..other.len() as u32).rev()) {
             let equal = self.places[usize::from(symbol)];
             let diagonal = ((equal & rises).wrapping_add(rises) ^ rises) | equal;
@@ -125,7 +126,7 @@ impl Needle {
 mod tests {
     use super::*;
     use crate::PatternId;
-    use crate::recognition::{cyclic_distance, sequence_distance};
+    use crate::recognition::cyclic_distance;
     use proptest::prelude::*;
 
     fn ids(sequence: &[u8]) -> Vec<PatternId> {
