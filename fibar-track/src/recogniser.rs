@@ -136,11 +136,12 @@ impl Search<'_> {
         if names.iter().all(Option::is_some) {
             return;
         }
-        let named = |triple: &Triple| {
-            Some((*triple, [names[triple[0]]?, names[triple[1]]?, names[triple[2]]?]))
-        };
-        let triples: Vec<(Triple, [usize; 3])> =
-            Triples::wide(model, blobs).filter_map(|t| named(&t)).take(self.options.max_named_triples).collect();
+        let named =
+            |triple: &Triple| Some((*triple, [names[triple[0]]?, names[triple[1]]?, names[triple[2]]?]));
+        let triples: Vec<(Triple, [usize; 3])> = Triples::wide(model, blobs)
+            .filter_map(|t| named(&t))
+            .take(self.options.max_named_triples)
+            .collect();
         triples.iter().for_each(|(triple, markers)| self.try_markers(triple, *markers));
     }
 

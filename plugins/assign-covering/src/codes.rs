@@ -5,11 +5,10 @@
 //! that look alike at some roll, also when some of their neighbours are missing, should not blink alike.
 
 use crate::annealing::Cooling;
-use crate::params::Params;
 use crate::rings::Rings;
 use fibar_core::levenshtein::Needle;
+use rand::RngExt;
 use rand::seq::IndexedRandom;
-use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 /// `β^d` for `d` = 0, 1, …; nothing beyond.
@@ -61,14 +60,12 @@ impl<'a> Codes<'a> {
     }
 
     /// Improves the codes of the markers that do not blink the m-sequence; the best on the way.
-    pub fn anneal(mut self, params: &Params, seed: u64, start: u32) -> Codes<'a> {
-        let mut rng = ChaCha8Rng::seed_from_u64(seed);
-        rng.set_stream(u64::from(start));
-        let mut cooling = Cooling::new(HEAT.0, HEAT.1, params.code_moves);
+    pub fn anneal(mut self, moves: u32, mut rng: ChaCha8Rng) -> Codes<'a> {
+        let mut cooling = Cooling::new(HEAT.0, HEAT.1, moves);
         let free: Vec<usize> = (0..self.genes.len()).filter(|&m| self.genes[m] != M_SEQUENCE).collect();
         let mut best = self.clone();
         let (mut cost, mut least) = (self.cost(), best.cost());
-        for _ in 0..params.code_moves {
+        for _ in 0..moves {
             let Some(change) = self.draw_change(&free, &mut rng) else { continue };
             let undo = change.map(|(marker, _)| (marker, self.genes[marker]));
             self.recode(&change);
@@ -148,6 +145,64 @@ impl<'a> Codes<'a> {
 /// Codes for markers of which some blink the m-sequence: the others in turn.
 pub fn in_turn(m_sequence: &[bool], patterns: u8) -> Vec<u8> {
     let mut turn = (M_SEQUENCE + 1..=patterns.max(M_SEQUENCE + 1)).cycle();
-    let code = |&m: &bool| if m || patterns == M_SEQUENCE { M_SEQUENCE } else { turn.next().unwrap_or(M_SEQUENCE) };
+    let code =
+        |&m: &bool| if m || patterns == M_SEQUENCE { M_SEQUENCE } else { turn.next().unwrap_or(M_SEQUENCE) };
     m_sequence.iter().map(code).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::tests::{params, sites};
+    use fibar_core::PatternId;
+    use fibar_core::images::Images;
+    use fibar_core::recognition::cyclic_distance;
+    use rand::SeedableRng;
+
+    /// The sum of the module's header, made of definitions in `fibar-core` alone.
+    fn confusion_by_definition(rings: &Rings, genes: &[u8]) -> f64 {
+        let read = |ring: &crate::rings::Ring| -> Vec<PatternId> {
+            ring.members.iter().map(|&m| PatternId(u32::from(genes[m]))).collect()
+        };
+        let mut sum = 0.0;
+        for p in 0..genes.len() {
+            for q in (p + 1..genes.len()).filter(|&q| genes[q] == genes[p]) {
+                for (i, j) in rings.of(p).iter().flat_map(|i| rings.of(q).iter().map(move |j| (i, j))) {
+                    let distance = cyclic_distance(&read(i), &read(j));
+                    sum += i.share * j.share * ALIKE.get(distance).unwrap_or(&0.0);
+                }
+            }
+        }
+        sum
+    }
+
+    #[test]
+    fn confusion_is_what_its_definition_says_after_any_changes() {
+        let images = Images::new(&sites(2));
+        let rings = Rings::collect(&images, 0.3, 1);
+        let seen_from = rings.seen_from();
+        let mut m_sequence = vec![false; rings.len()];
+        m_sequence[..6].fill(true);
+        let first = Codes::new(&rings, &seen_from, in_turn(&m_sequence, 4), 4);
+        let check = |codes: &Codes| {
+            let expected = confusion_by_definition(&rings, &codes.genes);
+            assert!((codes.confusion() - expected).abs() < 1e-9, "{} ≠ {expected}", codes.confusion());
+        };
+        check(&first);
+        let moves = params(|_| ()).code_moves;
+        let best = first.clone().anneal(moves, ChaCha8Rng::seed_from_u64(4));
+        check(&best);
+        assert!(best.cost() < first.cost());
+        let blinking: Vec<bool> = best.genes.iter().map(|&g| g == M_SEQUENCE).collect();
+        assert_eq!(blinking, m_sequence);
+    }
+
+    #[test]
+    fn one_code_for_all_is_no_search() {
+        let images = Images::new(&sites(2));
+        let rings = Rings::collect(&images, 0.3, 1);
+        let seen_from = rings.seen_from();
+        let codes = Codes::new(&rings, &seen_from, in_turn(&vec![false; rings.len()], 1), 1);
+        assert_eq!(codes.anneal(50, ChaCha8Rng::seed_from_u64(4)).genes, vec![M_SEQUENCE; rings.len()]);
+    }
 }

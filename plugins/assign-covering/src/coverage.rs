@@ -69,7 +69,12 @@ struct Tally {
 
 impl<'a> Coverage<'a> {
     /// No marker anywhere.
-    pub fn blank(lines: &'a Sightlines, sites: &Sites, missing_share: f64, fair_share: usize) -> Coverage<'a> {
+    pub fn blank(
+        lines: &'a Sightlines,
+        sites: &Sites,
+        missing_share: f64,
+        fair_share: usize,
+    ) -> Coverage<'a> {
         let spot = |p: DVec3| ((p - sites.centre) * 64.0).round() / 64.0;
         let prices = Prices::new(missing_share);
         let nothing = Tally { cost: prices.of(&Tally::default()), ..Tally::default() };
@@ -92,9 +97,14 @@ impl<'a> Coverage<'a> {
         self.carried[site]
     }
 
-    /// Directions of the watch without an m-sequence marker.
-    pub fn blind_directions(&self) -> Vec<DVec3> {
-        (0..self.watch.len()).filter(|&k| self.watch[k] == 0).map(|k| self.lines.watch[k]).collect()
+    /// Whether a site carries a marker that blinks the m-sequence.
+    pub fn blinks_m_sequence(&self, site: usize) -> bool {
+        self.carried[site] == Some(Blink::MSequence)
+    }
+
+    /// Directions of the watch, by index, without an m-sequence marker.
+    pub fn blind_directions(&self) -> Vec<usize> {
+        (0..self.watch.len()).filter(|&k| self.watch[k] == 0).collect()
     }
 
     /// How bad the choice is; 1 is about one camera in a thousand without use.
@@ -109,9 +119,8 @@ impl<'a> Coverage<'a> {
     pub fn carry(&mut self, site: usize, blink: Option<Blink>) {
         let before = std::mem::replace(&mut self.carried[site], blink);
         let spot = self.spots[site];
-        let change = |blink: Option<Blink>| {
-            (f64::from(blink.is_some()), usize::from(blink == Some(Blink::MSequence)))
-        };
+        let change =
+            |blink: Option<Blink>| (f64::from(blink.is_some()), usize::from(blink == Some(Blink::MSequence)));
         let ((had, had_m), (has, has_m)) = (change(before), change(blink));
         for &camera in &self.lines.surveyed_by[site] {
             let tally = &mut self.survey[camera as usize];
@@ -193,3 +202,64 @@ fn expected_loss(n: usize, missing: f64) -> f64 {
     (1..=n.min(3)).map(|k| blobs(k) * k as f64 * LOST[k]).sum()
 }
 
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::tests::{ball, params, sites};
+    use rand::{RngExt, SeedableRng};
+
+    #[test]
+    fn the_cost_does_not_depend_on_the_way() {
+        let (sites, params) = (sites(4), params(|_| ()));
+        let lines = Sightlines::cast(&ball(), &sites, &params);
+        let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(5);
+        let mut walked = Coverage::blank(&lines, &sites, 0.3, 5);
+        let blinks = [None, Some(Blink::Companion), Some(Blink::MSequence)];
+        for _ in 0..2000 {
+            walked.carry(rng.random_range(0..sites.sites.len()), blinks[rng.random_range(0..3)]);
+        }
+        let mut straight = Coverage::blank(&lines, &sites, 0.3, 5);
+        (0..sites.sites.len()).for_each(|k| straight.carry(k, walked.carried(k)));
+        assert_eq!(straight.cost(), walked.cost());
+        assert_eq!(straight.blind_directions(), walked.blind_directions());
+    }
+
+    #[test]
+    fn thickness_is_the_distance_from_the_nearest_plane() {
+        let check = |points: &[[f64; 3]], thickness: f64| {
+            let mut tally = Tally::default();
+            points.iter().for_each(|p| tally.shift(DVec3::from(*p), 1.0));
+            assert!(tally.is_thicker(thickness - 1e-6), "{points:?} is thinner than {thickness}");
+            assert!(!tally.is_thicker(thickness + 1e-6), "{points:?} is thicker than {thickness}");
+        };
+        let square = [[10.0, 10.0, 0.0], [10.0, -10.0, 0.0], [-10.0, 10.0, 0.0], [-10.0, -10.0, 0.0]];
+        check(&[square, square.map(|[x, y, _]| [x, y, 4.0])].concat(), 2.0);
+        check(
+            &[
+                [2.0, 0.0, 0.0],
+                [-2.0, 0.0, 0.0],
+                [0.0, 9.0, 0.0],
+                [0.0, -9.0, 0.0],
+                [0.0, 0.0, 9.0],
+                [0.0, 0.0, -9.0],
+            ],
+            (8.0f64 / 6.0).sqrt(),
+        );
+        let mut flat = Tally::default();
+        square.iter().for_each(|p| flat.shift(DVec3::from(*p), 1.0));
+        assert!(!flat.is_thicker(0.01));
+    }
+
+    #[test]
+    fn lost_names_are_those_of_images_with_three_blobs_or_fewer() {
+        let check = |n, missing, expected: f64| {
+            let found = expected_loss(n, missing);
+            assert!((found - expected).abs() < 1e-12, "{n} {missing}: {found}");
+        };
+        check(0, 0.3, 0.0);
+        check(3, 0.0, 1.5);
+        check(4, 0.0, 0.0);
+        // One of four is missing: 4 · 0.5⁴ ways to three blobs; two: 6; three: 4.
+        check(4, 0.5, (4.0 * 1.5 + 6.0 * 2.0 + 4.0) / 16.0);
+    }
+}

@@ -2,18 +2,25 @@
 //!
 //! Along the data: rays tell which camera sees which site (`sightlines`); markers and m-sequences are chosen so that every camera sees
 //! enough of both (`coverage`, `places`); then, with the places fixed, codes are chosen so that markers of one code do not look alike
-//! at any roll, also when some are missing (`rings`, `codes`). The paper's way is `assign-genetic`, with the same ports.
+//! at any roll, also when some are missing (`rings`, `codes`); what the paper's lookup needs is written down (`table`). The paper's
+//! way is `assign-genetic`, with the same ports.
 
-mod annealing;
-mod codes;
-mod coverage;
-mod params;
-mod places;
-mod rings;
 mod sightlines;
 
+mod coverage;
+mod places;
+
+mod codes;
+mod rings;
+
+mod table;
+
+mod annealing;
+mod params;
+
+use annealing::best_of_starts;
 use codes::{Codes, M_SEQUENCE};
-use coverage::{Blink, Coverage};
+use coverage::Coverage;
 use fibar_core::artefact::Document;
 use fibar_core::artefact::constellation::{Constellation, Marker, Pattern};
 use fibar_core::artefact::mesh::TriangleMesh;
@@ -25,10 +32,8 @@ use fibar_core::{MarkerId, PatternId};
 use fibar_plugin::{Description, Job, Stage, StageError, serve};
 use params::Params;
 use places::{Choice, Crowd};
-use rayon::prelude::*;
-use rings::Rings;
+use rings::{Rings, sites_of};
 use sightlines::Sightlines;
-use std::collections::BTreeMap;
 
 /// A pose needs as many markers.
 const POSE_NEEDS: usize = 4;
@@ -58,37 +63,96 @@ impl Stage for AssignCovering {
 
     fn run(params: Params, job: &mut Job) -> Result<(), StageError> {
         let body = TriangleMesh::from_ply(&job.read("body")?)?;
-        let sites = Sites::from_json(&job.read("sites")?)?;
+        let sites = seen_sites(&Sites::from_json(&job.read("sites")?)?)?;
         let patterns = codes_for(&Sockets::from_json(&job.read("sockets")?)?, params.code_plan())?;
         let seed = job.seed();
         job.progress(0.02, "sightlines")?;
         let lines = Sightlines::cast(&body, &sites, &params);
         job.progress(0.1, "places")?;
-        let choice = choose_places(&lines, &sites, patterns.len(), &params, seed)?;
+        let crowd = Crowd::new(&sites, params.spacing_mm);
+        let choice = choose_places(&lines, &crowd, &sites, patterns.len(), &params, seed)?;
         job.progress(0.6, "codes")?;
-        let chosen = choose_codes(&choice, &sites, patterns.len() as u8, &params, seed);
-        report(&choice, &chosen, &sites, job);
-        let constellation = name_markers(&chosen, patterns, &params);
+        let chosen = Chosen::new(&choice, &sites, patterns.len() as u8, &params, seed);
+        report(&choice, &chosen, sites.sites.len(), job);
+        let constellation = chosen.into_constellation(patterns, &params);
         job.write("constellation", "constellation.json", &constellation.to_json())
     }
 }
 
-/// The best of all starts.
+/// The sites without those that no view sees.
+fn seen_sites(sites: &Sites) -> Result<Sites, StageError> {
+    let mut seen: Vec<usize> = sites.views.iter().flat_map(|v| &v.visible).map(|&k| k as usize).collect();
+    seen.sort_unstable();
+    seen.dedup();
+    if seen.len() >= POSE_NEEDS {
+        return Ok(sites_of(sites, &seen));
+    }
+    let message = format!(
+        "only {} of {} candidate places are seen by any of {} viewpoints; a pose needs {POSE_NEEDS} markers",
+        seen.len(),
+        sites.sites.len(),
+        sites.views.len()
+    );
+    let hint = "in place-visibility make spacing_mm smaller or emission_limit_deg larger";
+    Err(StageError::input(message).hint(hint).place_mm(sites.centre.to_array()))
+}
+
+/// The best places of all starts, with an m-sequence in sight from everywhere.
 fn choose_places<'a>(
     lines: &'a Sightlines,
+    crowd: &'a Crowd,
     sites: &Sites,
     patterns: usize,
     params: &Params,
     seed: u64,
 ) -> Result<Choice<'a>, StageError> {
-    let crowd: &Crowd = Box::leak(Box::new(Crowd::new(sites, params.spacing_mm)));
-    let wanted = params.markers.map_or(sites.sites.len(), |m| m as usize);
-    let fair = wanted.div_ceil(patterns);
-    let first = Choice::greedy(Coverage::blank(lines, sites, params.missing_share, fair), crowd, wanted);
-    let starts = (0..params.starts).into_par_iter();
-    let found: Vec<Choice> = starts.map(|start| first.clone().anneal(params, seed, start)).collect();
-    let cheapest = |a: Choice<'a>, b: Choice<'a>| if b.coverage.cost() < a.coverage.cost() { b } else { a };
-    Ok(found.into_iter().reduce(cheapest).unwrap_or(first))
+    let room = sites.sites.len();
+    let wanted = params.markers.map_or(room, |m| m as usize);
+    let fair_share = params.markers.map_or(room, |m| m as usize).min(room).div_ceil(patterns);
+    let blank = Coverage::blank(lines, sites, params.missing_share, fair_share);
+    let first = Choice::greedy(blank, crowd, wanted);
+    check_count(first.markers.len(), room, params)?;
+    let anneal = |rng| first.clone().anneal(params.place_moves, rng);
+    let best = best_of_starts(params.starts, seed, anneal, |c| c.coverage.cost()).unwrap_or(first);
+    check_blind(&best.coverage, lines, sites, params)?;
+    Ok(best)
+}
+
+fn check_count(found: usize, room: usize, params: &Params) -> Result<(), StageError> {
+    let wanted = params.markers.map_or(POSE_NEEDS, |m| m as usize);
+    if found >= wanted {
+        return Ok(());
+    }
+    let message = format!(
+        "{wanted} markers are wanted, but only {found} of {room} candidate places are {} mm apart",
+        params.spacing_mm
+    );
+    let param = if params.spacing_mm > 0.0 { "/spacing_mm" } else { "/markers" };
+    Err(StageError::user(message)
+        .param(param)
+        .hint("make spacing_mm smaller here or in place-visibility, or ask for fewer markers"))
+}
+
+fn check_blind(
+    coverage: &Coverage,
+    lines: &Sightlines,
+    sites: &Sites,
+    params: &Params,
+) -> Result<(), StageError> {
+    let (blind, all) = (coverage.blind_directions(), lines.watch.len());
+    if blind.len() as f64 <= params.max_blind_share * all as f64 {
+        return Ok(());
+    }
+    let sites_there = |k: &usize| lines.watched_by.iter().any(|seen| seen.contains(&(*k as u32)));
+    let hopeless = blind.iter().filter(|k| !sites_there(k)).count();
+    let message = format!(
+        "no m-sequence marker is surely in sight from {} of {all} directions; from {hopeless} of them no candidate place is",
+        blind.len()
+    );
+    let hint = "smaller spacing_mm in place-visibility gives more places, a higher lowest_view_deg here asks for fewer views; \
+                max_blind_share allows some";
+    let camera = sites.centre + lines.watch[blind[0]] * params.farthest_mm;
+    Err(StageError::input(message).hint(hint).place_mm(camera.to_array()))
 }
 
 /// Markers with their images and codes.
@@ -99,61 +163,51 @@ struct Chosen {
     confusion: f64,
 }
 
-fn choose_codes(choice: &Choice, sites: &Sites, patterns: u8, params: &Params, seed: u64) -> Chosen {
-    let mut markers = choice.markers.clone();
-    markers.sort_unstable();
-    let m: Vec<bool> =
-        markers.iter().map(|&k| choice.coverage.carried(k) == Some(Blink::MSequence)).collect();
-    let sites = rings::sites_of(sites, &markers);
-    let images = Images::new(&sites);
-    let rings = Rings::collect(&images, params.missing_share, seed);
-    let seen_from = rings.seen_from();
-    let first = Codes::new(&rings, &seen_from, codes::in_turn(&m, patterns), patterns);
-    let starts = (0..params.starts).into_par_iter();
-    let found: Vec<Codes> = starts.map(|start| first.clone().anneal(params, seed, start)).collect();
-    let cheapest = |a: Codes, b: Codes| -> bool { b.cost() < a.cost() };
-    let mut best = first.clone();
-    for codes in found {
-        if cheapest(best.clone(), codes.clone()) {
-            best = codes;
-        }
+impl Chosen {
+    /// The best codes of all starts for the markers that were chosen.
+    fn new(choice: &Choice, sites: &Sites, patterns: u8, params: &Params, seed: u64) -> Chosen {
+        let mut markers = choice.markers.clone();
+        markers.sort_unstable();
+        let m_sequence: Vec<bool> = markers.iter().map(|&k| choice.coverage.blinks_m_sequence(k)).collect();
+        let sites = sites_of(sites, &markers);
+        let images = Images::new(&sites);
+        let rings = Rings::collect(&images, params.missing_share, seed);
+        let seen_from = rings.seen_from();
+        let first = Codes::new(&rings, &seen_from, codes::in_turn(&m_sequence, patterns), patterns);
+        let anneal = |rng| first.clone().anneal(params.code_moves, rng);
+        let best = best_of_starts(params.starts, seed, anneal, Codes::cost).unwrap_or(first.clone());
+        let (genes, confusion) = (best.genes.clone(), best.confusion());
+        Chosen { sites, images, genes, confusion }
     }
-    let (genes, confusion) = (best.genes.clone(), best.confusion());
-    Chosen { sites, images, genes, confusion }
-}
 
-fn name_markers(chosen: &Chosen, patterns: Vec<Pattern>, params: &Params) -> Constellation {
-    let mut seen = vec![BTreeMap::<Vec<PatternId>, usize>::new(); chosen.sites.sites.len()];
-    for image in &chosen.images.views {
-        let all: Vec<usize> = (0..image.sites.len()).collect();
-        for (marker, ring) in rings::neighbours(image, &all) {
-            let sequence = ring.iter().map(|&m| PatternId(u32::from(chosen.genes[m]))).collect();
-            *seen[marker].entry(sequence).or_default() += 1;
-        }
-    }
-    let marker = |k: usize| {
-        let mut counted: Vec<(&Vec<PatternId>, &usize)> = seen[k].iter().collect();
-        counted.sort_by(|a, b| b.1.cmp(a.1).then_with(|| a.0.cmp(b.0)));
-        Marker {
+    fn into_constellation(self, patterns: Vec<Pattern>, params: &Params) -> Constellation {
+        let table = table::sequences(&self.images, &self.genes, params.sequences as usize);
+        let marker = |(k, neighbours): (usize, Vec<Vec<PatternId>>)| Marker {
             id: MarkerId(k as u32 + 1),
-            position: chosen.sites.sites[k].position,
-            normal: chosen.sites.sites[k].normal,
-            pattern: PatternId(u32::from(chosen.genes[k])),
-            neighbours: counted.iter().take(params.sequences as usize).map(|(s, _)| (*s).clone()).collect(),
-        }
-    };
-    Constellation::new(params.bit_rate_hz, patterns, (0..chosen.genes.len()).map(marker).collect())
+            position: self.sites.sites[k].position,
+            normal: self.sites.sites[k].normal,
+            pattern: PatternId(u32::from(self.genes[k])),
+            neighbours,
+        };
+        let markers = table.into_iter().enumerate().map(marker).collect();
+        Constellation::new(params.bit_rate_hz, patterns, markers)
+    }
 }
 
-fn report(choice: &Choice, chosen: &Chosen, sites: &Sites, job: &mut Job) {
-    job.metric("place.markers", chosen.genes.len() as f64, "1");
-    job.metric("assign.dropped", (sites.sites.len() - chosen.genes.len()) as f64, "1");
+fn report(choice: &Choice, chosen: &Chosen, candidates: usize, job: &mut Job) {
+    let markers = chosen.genes.len();
+    let m_sequences = chosen.genes.iter().filter(|&&g| g == M_SEQUENCE).count();
+    job.metric("place.markers", markers as f64, "1");
+    job.metric("assign.dropped", (candidates - markers) as f64, "1");
     job.metric("assign.coverage_cost", choice.coverage.cost(), "1");
     job.metric("assign.confusion", chosen.confusion, "1");
-    job.metric("assign.m_sequences", chosen.genes.iter().filter(|&&g| g == M_SEQUENCE).count() as f64, "1");
+    job.metric("assign.m_sequences", m_sequences as f64, "1");
     job.metric("assign.blind_directions", choice.coverage.blind_directions().len() as f64, "1");
 }
 
 fn main() -> std::process::ExitCode {
     serve::<AssignCovering>()
 }
+
+#[cfg(test)]
+mod tests;

@@ -36,6 +36,9 @@ pub struct Params {
     /// Share of the markers that a camera may miss without losing their names.
     #[schemars(range(min = 0.0, max = 0.9), extend("unit" = "1"))]
     pub missing_share: f64,
+    /// Share of the directions that may be left without an m-sequence marker in sight; more is an error.
+    #[schemars(range(min = 0.0, max = 1.0), extend("unit" = "1"))]
+    pub max_blind_share: f64,
     /// Changes of places tried in each start.
     #[schemars(range(min = 0, max = 100_000_000))]
     pub place_moves: u32,
@@ -75,8 +78,9 @@ impl Default for Params {
             survey_frequency: 6,
             watch_frequency: 12,
             missing_share: 0.3,
-            place_moves: 60_000,
-            code_moves: 20_000,
+            max_blind_share: 0.0,
+            place_moves: 40_000,
+            code_moves: 4_000,
             starts: 4,
             sequences: 6,
             bit_rate_hz: 350.0,

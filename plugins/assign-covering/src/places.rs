@@ -2,10 +2,8 @@
 
 use crate::annealing::Cooling;
 use crate::coverage::{Blink, Coverage};
-use crate::params::Params;
 use fibar_core::artefact::sites::Sites;
 use rand::RngExt;
-use rand::SeedableRng;
 use rand::seq::IndexedRandom;
 use rand_chacha::ChaCha8Rng;
 
@@ -94,13 +92,11 @@ impl<'a> Choice<'a> {
     }
 
     /// Improves the choice by random changes; the best choice on the way.
-    pub fn anneal(mut self, params: &Params, seed: u64, start: u32) -> Choice<'a> {
-        let mut rng = ChaCha8Rng::seed_from_u64(seed);
-        rng.set_stream(u64::from(start));
-        let mut cooling = Cooling::new(HEAT.0, HEAT.1, params.place_moves);
+    pub fn anneal(mut self, moves: u32, mut rng: ChaCha8Rng) -> Choice<'a> {
+        let mut cooling = Cooling::new(HEAT.0, HEAT.1, moves);
         let mut best = self.clone();
         let (mut cost, mut least) = (self.coverage.cost(), best.coverage.cost());
-        for _ in 0..params.place_moves {
+        for _ in 0..moves {
             let Some(change) = self.draw_change(&mut rng) else { continue };
             self.make(change);
             let next = self.coverage.cost();

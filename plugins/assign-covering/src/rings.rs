@@ -28,10 +28,8 @@ pub struct Ring {
 /// The chosen sites and what each view sees of them, renumbered in the order of `markers`, which rises.
 pub fn sites_of(sites: &Sites, markers: &[usize]) -> Sites {
     let renumber = |k: &u32| markers.binary_search(&(*k as usize)).ok().map(|m| m as u32);
-    let view = |v: &View| View {
-        position: v.position,
-        visible: v.visible.iter().filter_map(renumber).collect(),
-    };
+    let view =
+        |v: &View| View { position: v.position, visible: v.visible.iter().filter_map(renumber).collect() };
     let kept = markers.iter().map(|&k| sites.sites[k]).collect();
     Sites::new(sites.centre, kept, sites.views.iter().map(view).collect())
 }

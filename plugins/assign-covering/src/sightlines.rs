@@ -68,7 +68,8 @@ impl Grid {
             }
         }
         let high: Vec<bool> = mesh.vertices.iter().map(|d| d.z >= lowest).collect();
-        let next = |set: &[bool]| (0..set.len()).map(|k| set[k] || around[k].iter().any(|&n| set[n])).collect();
+        let next =
+            |set: &[bool]| (0..set.len()).map(|k| set[k] || around[k].iter().any(|&n| set[n])).collect();
         let demanded: Vec<bool> = next(&high);
         let surrounding: Vec<bool> = next(&demanded);
         let mut order: Vec<usize> = (0..high.len()).filter(|&k| surrounding[k]).collect();
@@ -79,7 +80,10 @@ impl Grid {
         Grid {
             directions: order.iter().map(|&k| mesh.vertices[k]).collect(),
             demanded: count,
-            neighbours: order[..count].iter().map(|&k| around[k].iter().map(|&n| place[n]).collect()).collect(),
+            neighbours: order[..count]
+                .iter()
+                .map(|&k| around[k].iter().map(|&n| place[n]).collect())
+                .collect(),
         }
     }
 
