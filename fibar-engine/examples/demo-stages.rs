@@ -165,6 +165,7 @@ impl Stage for PassText {
     }
 
     fn run(params: PassParams, job: &mut Job) -> Result<(), StageError> {
+        // In one piece: `cargo xtask bench` counts whatever comes on top.
         std::thread::sleep(Duration::from_secs_f64(params.seconds));
         let mut text = job.read("text")?;
         text.extend(params.word.bytes());

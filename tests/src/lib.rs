@@ -20,3 +20,8 @@ pub fn checkout() -> &'static Path {
 pub fn executables() -> PathBuf {
     std::env::var_os("FIBAR_BIN").map_or_else(|| checkout().join("target/release"), PathBuf::from)
 }
+
+/// Whether slow tests run too: `cargo xtask test --full`.
+pub fn is_full() -> bool {
+    std::env::var_os("FIBAR_TEST_FULL").is_some()
+}

@@ -23,20 +23,29 @@ fn blotted(text: &str) -> String {
     words.collect()
 }
 
-#[test]
-fn a_change_is_followed_to_the_line_that_made_it() {
+/// A bench where the book with this first stage has been built.
+fn built(make: &str) -> Bench {
     let bench = Bench::new();
-    bench.build(&book("text = 'bye'", "", "")).unwrap();
+    bench.build(&book(make, "", "")).unwrap();
+    bench
+}
+
+#[test]
+fn what_the_store_has_would_not_run() {
     check(
-        &bench,
+        &built(""),
         &[],
         "verify-text",
         expect![[r#"
         `verify-text` (verify-text) hit #: the store has this, nothing would run
     "#]],
     );
+}
+
+#[test]
+fn a_value_set_from_outside_is_the_reason() {
     check(
-        &bench,
+        &built(""),
         &["verify-text.word=x"],
         "verify-text",
         expect![[r#"
@@ -45,6 +54,11 @@ fn a_change_is_followed_to_the_line_that_made_it() {
           params/word: "" → "x"  (--set verify-text.word:1:1)
     "#]],
     );
+}
+
+#[test]
+fn a_change_is_followed_to_the_line_that_made_it() {
+    let bench = built("text = 'bye'");
     bench.write("recipe.toml", &book("text = 'byes'", "", ""));
     check(
         &bench,
@@ -75,9 +89,13 @@ fn a_change_is_followed_to_the_line_that_made_it() {
                       params/text: "bye" → "byes"  (recipe.toml:6:8)
     "#]],
     );
-    bench.build(&book("text = 'BYE'", "", "")).unwrap();
-    bench.write("recipe.toml", &book("text = 'bye'\ntimes = 2", "", ""));
-    bench.build_with(&book("text = 'bye'\ntimes = 2", "seconds = 0", ""), &[], &|| false).unwrap();
+}
+
+/// The store knows two earlier runs; the last build counts, not the one before.
+#[test]
+fn the_last_build_is_what_a_stage_is_compared_with() {
+    let bench = built("text = 'BYE'");
+    bench.build(&book("text = 'bye'\ntimes = 2", "", "")).unwrap();
     bench.write("recipe.toml", &book("text = 'BYE'\ntimes = 2", "", "word = 'q'"));
     check(
         &bench,
@@ -98,7 +116,7 @@ fn a_change_is_followed_to_the_line_that_made_it() {
 }
 
 #[test]
-fn the_first_run_and_a_lost_artefact_are_told_apart() {
+fn a_first_run_has_nothing_to_be_compared_with() {
     let bench = Bench::new();
     bench.write("recipe.toml", &book("", "", ""));
     check(
@@ -110,7 +128,11 @@ fn the_first_run_and_a_lost_artefact_are_told_apart() {
           the store knows no earlier run of it
     "#]],
     );
-    bench.build(&book("", "", "")).unwrap();
+}
+
+#[test]
+fn a_lost_artefact_is_the_reason() {
+    let bench = built("");
     let blob = bench.path("store/cas").join(fibar_engine::Digest::of(b"hello").to_string());
     std::fs::remove_file(blob).unwrap();
     check(

@@ -4,6 +4,7 @@
 
 mod bad_input;
 mod bunny;
+mod checkouts;
 mod pebble;
 mod peers;
 mod plugins;
