@@ -2,6 +2,7 @@
 
 use crate::census::Census;
 use crate::crossings::{Crossing, crossings};
+use crate::edges::Edges;
 use crate::fate::Fate;
 use crate::holes::holes;
 use crate::nesting::{Nesting, Shell};
@@ -65,6 +66,9 @@ fn settle(soup: &TriangleMesh, limits: Limits, fate: &mut Fate) -> TriangleMesh 
     fate.degenerate_removed = welded.degenerate;
     fate.duplicates_removed = welded.duplicate;
     let mut mesh = welded.mesh;
+    if Edges::of(&mesh).are_all_shared_by_two() {
+        return mesh;
+    }
     let sewn = seams::sew(&mut mesh, limits.seam_mm);
     fate.vertices_sewn = sewn.merged;
     fate.sides_divided = sewn.divided;

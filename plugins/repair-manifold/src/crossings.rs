@@ -29,7 +29,7 @@ pub fn crossings(mesh: &TriangleMesh) -> Vec<Crossing> {
     let with_later = |t: usize| {
         let mut near: Vec<u32> = tree.intersect_aabb(&boxes[t]).filter(|&other| other > t as u32).collect();
         near.sort_unstable();
-        let at = |other| crossing_point(mesh.corners(t), mesh.corners(other as usize));
+        let at = |other| crossing_point(mesh, [t, other as usize]);
         let found = near
             .into_iter()
             .filter_map(|other| at(other).map(|place| Crossing { triangles: [t as u32, other], place }));
@@ -48,12 +48,16 @@ fn loose_box(corners: &[DVec3; 3]) -> Aabb {
     Aabb::new((low - margin).to_array().into(), (high + margin).to_array().into())
 }
 
-/// Where a side of one passes through the other.
-fn crossing_point(one: [DVec3; 3], other: [DVec3; 3]) -> Option<DVec3> {
-    let sides = |[a, b, c]: [DVec3; 3]| [[a, b], [b, c], [c, a]];
-    let through = |side: [DVec3; 2], triangle| passes_through(side, triangle);
-    let first = sides(one).into_iter().find_map(|side| through(side, other));
-    first.or_else(|| sides(other).into_iter().find_map(|side| through(side, one)))
+/// Where a side of one passes through the other. A side that starts or ends at a corner of the other only touches it there.
+fn crossing_point(mesh: &TriangleMesh, [one, other]: [usize; 2]) -> Option<DVec3> {
+    let through = |from: usize, into: usize| {
+        let [a, b, c] = mesh.triangles[from];
+        let apart = |v: u32| !mesh.triangles[into].contains(&v);
+        let sides = [[a, b], [b, c], [c, a]].into_iter().filter(|side| side.iter().all(|&v| apart(v)));
+        let mut ends = sides.map(|side| side.map(|v| mesh.vertices[v as usize]));
+        ends.find_map(|ends| passes_through(ends, mesh.corners(into)))
+    };
+    through(one, other).or_else(|| through(other, one))
 }
 
 fn passes_through([from, to]: [DVec3; 2], [a, b, c]: [DVec3; 3]) -> Option<DVec3> {

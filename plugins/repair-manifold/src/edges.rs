@@ -41,6 +41,11 @@ impl Edges {
         Edges { starts, uses }
     }
 
+    /// Whether each edge has one triangle on either side, which agree on what is outside.
+    pub fn are_all_shared_by_two(&self) -> bool {
+        self.iter().all(|(_, uses)| matches!(uses, [one, other] if one.forward != other.forward))
+    }
+
     /// Lower and upper vertex of each edge, and the half-edges along it.
     pub fn iter(&self) -> impl Iterator<Item = ([u32; 2], &[Use])> {
         let ranges = self.starts.windows(2).enumerate();

@@ -31,7 +31,6 @@ use closing::{Limits, Obstacle, close};
 use fate::Fate;
 use fibar_core::artefact::mesh::TriangleMesh;
 use fibar_plugin::{Description, Job, Stage, StageError, serve};
-use fibar_solid::Solid;
 
 fn main() -> std::process::ExitCode {
     serve::<RepairManifold>()
@@ -85,9 +84,7 @@ impl Stage for RepairManifold {
         let solid = closed.map_err(refuse)?;
         job.progress(0.6, "cutting the base")?;
         let body = base::seat(&solid, params.flatten_base_mm)?;
-        let volume =
-            Solid::from_mesh(&body).map_err(|error| StageError::internal(error.to_string()))?.volume();
-        job.metric("repair.volume_after_mm3", volume, "mm3");
+        job.metric("repair.volume_after_mm3", volume::signed_volume(&body), "mm3");
         job.metric("repair.triangles", body.triangles.len() as f64, "1");
         job.write("body", "body.ply", &body.to_ply())
     }
