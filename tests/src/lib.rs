@@ -4,6 +4,7 @@
 //! that of the peers.
 
 mod build;
+pub mod fuzz;
 mod peer;
 
 pub use build::{Build, Outcome, Workshop};

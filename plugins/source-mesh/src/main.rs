@@ -3,12 +3,12 @@
 //! It reads and places; it mends nothing. Welding, orientation and closedness are `repair-manifold`'s work.
 
 mod placement;
-mod reader;
+
 
 use fibar_core::artefact::mesh::TriangleMesh;
 use fibar_plugin::{Description, Direction, InputFile, Job, Stage, StageError, serve};
 use placement::{Placement, Unit};
-use reader::ReadError;
+use fibar_formats::ReadError;
 use std::path::Path;
 
 fn main() -> std::process::ExitCode {
@@ -88,7 +88,7 @@ fn read(path: &Path) -> Result<TriangleMesh, StageError> {
     let blame = |message: String| StageError::input(message).param("/path");
     let bytes = std::fs::read(path).map_err(|error| blame(format!("cannot read the file: {error}")))?;
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default();
-    reader::read_mesh(&bytes, extension).map_err(|error| {
+    fibar_formats::read_mesh(&bytes, extension).map_err(|error| {
         let hint = error.hint();
         let ReadError { place, message, .. } = error;
         blame(format!("{place}{message}")).hint(hint)

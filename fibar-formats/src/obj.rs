@@ -1,8 +1,8 @@
 //! Wavefront OBJ: `v` and `f` lines. Texture, normals, groups and materials are passed over; curved surfaces are refused.
 
-use super::error::{Place, ReadError};
-use super::polygon::push_fan;
-use super::words::parse_number;
+use crate::error::{Place, ReadError};
+use crate::polygon::push_fan;
+use crate::words::parse_number;
 use fibar_core::artefact::mesh::TriangleMesh;
 use glam::DVec3;
 

@@ -1,7 +1,7 @@
 //! STL, ASCII and binary. Each triangle brings its own corners; sharing them again is the repair's work.
 
-use super::error::{Place, ReadError};
-use super::words::Words;
+use crate::error::{Place, ReadError};
+use crate::words::Words;
 use fibar_core::artefact::mesh::TriangleMesh;
 use glam::DVec3;
 

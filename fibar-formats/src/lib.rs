@@ -1,4 +1,4 @@
-//! Readers of mesh files: bytes in, triangles or a located error out. None of them touches a file.
+//! Readers of the mesh files people have: bytes in, triangles or a located error out. None of them touches a file.
 //!
 //! Counts are checked against the bytes that are there before anything is allocated for them.
 

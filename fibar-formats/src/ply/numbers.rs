@@ -1,8 +1,8 @@
 //! The numbers of a PLY file, whichever way they are written.
 
 use super::header::{Property, Shape};
-use crate::reader::error::{Place, ReadError};
-use crate::reader::words::Words;
+use crate::error::{Place, ReadError};
+use crate::words::Words;
 
 /// How a number is written in a binary file.
 #[derive(Clone, Copy)]

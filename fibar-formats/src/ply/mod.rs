@@ -5,8 +5,8 @@
 mod header;
 mod numbers;
 
-use super::error::{Place, ReadError};
-use super::polygon::push_fan;
+use crate::error::{Place, ReadError};
+use crate::polygon::push_fan;
 use fibar_core::artefact::mesh::TriangleMesh;
 use glam::DVec3;
 use header::{Element, Property, Shape};

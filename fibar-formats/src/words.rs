@@ -1,6 +1,6 @@
 //! Text as words with their lines.
 
-use super::error::{Place, ReadError};
+use crate::error::{Place, ReadError};
 
 /// The words of a text, split at white space.
 pub struct Words<'a> {

@@ -1,6 +1,6 @@
 //! Polygons of a file as triangles.
 
-use super::error::{Place, ReadError};
+use crate::error::{Place, ReadError};
 
 /// Appends the fan of a polygon about its first corner; right for convex ones, closed for all.
 pub fn push_fan(

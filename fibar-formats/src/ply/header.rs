@@ -1,7 +1,7 @@
 //! The header of a PLY file: which elements with which properties follow, and how numbers are written.
 
 use super::numbers::{Kind, Numbers};
-use crate::reader::error::{Place, ReadError};
+use crate::error::{Place, ReadError};
 
 /// A table of the file.
 pub struct Element {
