@@ -1,176 +1,105 @@
 //! Readers of the mesh files people have: bytes in, triangles or a located error out. None of them touches a file.
 //!
-//! Counts are checked against the bytes that are there before anything is allocated for them.
+//! Files are streamed: what is held of one does not grow with it, its mesh aside (and glTF's buffers, which are looked into at
+//! random). Counts are checked against the bytes that are there before anything is allocated for them.
 
+mod gltf;
 mod obj;
+mod off;
 mod ply;
 mod stl;
+pub mod threemf;
 
+mod builder;
 mod error;
-mod polygon;
+mod stream;
 mod words;
 
-pub use error::ReadError;
+pub use error::{Place, ReadError};
 
-use error::Place;
+use builder::MeshBuilder;
 use fibar_core::artefact::mesh::TriangleMesh;
+use std::io::{Read, Seek, SeekFrom};
+use std::ops::Range;
+use stream::Stream;
 
-/// Reads a mesh in the format that `extension` names (any case).
-pub fn read_mesh(bytes: &[u8], extension: &str) -> Result<TriangleMesh, ReadError> {
-    if bytes.is_empty() {
+/// A mesh file as it is written: nothing is welded, mended or placed.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct MeshFile {
+    /// All triangles, in the file's unit; +Z up where the format says what is up.
+    pub mesh: TriangleMesh,
+    /// Length of a 1, mm, where the format says it.
+    pub mm_per_unit: Option<f64>,
+    /// Named objects, where the format has them, in the order of their triangles.
+    pub parts: Vec<Part>,
+    /// What was left out or let pass.
+    pub notes: Vec<String>,
+}
+
+/// An object of the file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Part {
+    /// Its name; empty if it has none.
+    pub name: String,
+    /// Red, green, blue (sRGB) and opacity from 0 to 1.
+    pub colour: Option<[f64; 4]>,
+    /// Its triangles.
+    pub triangles: Range<usize>,
+}
+
+/// How much a file may ask for, and get away with.
+#[derive(Clone, Debug)]
+pub struct Limits {
+    /// Most triangles; each takes up to 84 bytes.
+    pub triangles: u64,
+    /// Breaches of 3MF rules that `repair-manifold` can mend, or that change nothing here, become notes.
+    pub mends_3mf: bool,
+}
+
+impl Default for Limits {
+    fn default() -> Limits {
+        Limits { triangles: 10_000_000, mends_3mf: false }
+    }
+}
+
+/// The formats, by the extensions of their files.
+pub const EXTENSIONS: [&str; 7] = ["stl", "obj", "ply", "off", "3mf", "glb", "gltf"];
+
+/// Reads a mesh in the format that `extension` names (any case). What it holds beyond the mesh is bounded.
+pub fn read<R: Read + Seek>(mut source: R, extension: &str, limits: &Limits) -> Result<MeshFile, ReadError> {
+    let length = source.seek(SeekFrom::End(0)).and_then(|length| source.rewind().map(|()| length));
+    let length = length.map_err(|e| ReadError::new(Place::File, format!("it cannot be read: {e}")))?;
+    if length == 0 {
         return Err(ReadError::new(Place::File, "it is empty").try_this("export the object again"));
     }
-    let mesh = match extension.to_ascii_lowercase().as_str() {
-        "obj" => obj::read(bytes),
-        "stl" => stl::read(bytes),
-        "ply" => ply::read(bytes),
+    let file = match extension.to_ascii_lowercase().as_str() {
+        "obj" => read_bare(obj::read, &mut source, length, limits),
+        "stl" => read_bare(stl::read, &mut source, length, limits),
+        "ply" => read_bare(ply::read, &mut source, length, limits),
+        "off" => read_bare(off::read, &mut source, length, limits),
+        "3mf" => threemf::read(source, length, limits),
+        "glb" | "gltf" => gltf::read(&mut source, length, limits),
         other => Err(ReadError::new(Place::File, format!("`.{other}` is not a mesh format known here"))
-            .try_this("use .obj, .stl or .ply")),
+            .try_this(format!("use .{}", EXTENSIONS.join(", .")))),
     }?;
-    if mesh.triangles.is_empty() {
-        return Err(
-            ReadError::new(Place::File, "it holds no triangle").try_this("export the object as a mesh")
-        );
+    if file.mesh.triangles.is_empty() {
+        let error = ReadError::new(Place::File, "it holds no triangle");
+        return Err(error.try_this("export the object as a mesh"));
     }
-    Ok(mesh)
+    Ok(file)
+}
+
+/// A format that knows triangles, but neither units nor parts.
+fn read_bare(
+    read: impl Fn(Stream, &mut MeshBuilder) -> Result<(), ReadError>,
+    source: &mut dyn Read,
+    length: u64,
+    limits: &Limits,
+) -> Result<MeshFile, ReadError> {
+    let mut mesh = MeshBuilder::new(limits);
+    read(Stream::new(source, length), &mut mesh)?;
+    Ok(MeshFile { mesh: mesh.finish(), ..MeshFile::default() })
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use proptest::prelude::*;
-
-    /// The same tetrahedron in each format.
-    const OBJ: &str = "# four corners\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n\
-                       f 1 3 2\nf 1/1 2/2 4/3\nf -3//1 -2//1 \\\n -1//1\nf 3 1 4\n";
-    const PLY: &str = "ply\nformat ascii 1.0\ncomment x\nelement vertex 4\nproperty float x\nproperty float y\n\
-                       property float z\nproperty uchar red\nelement face 4\nproperty list uchar int vertex_indices\n\
-                       end_header\n0 0 0 9\n1 0 0 9\n0 1 0 9\n0 0 1 9\n3 0 2 1\n3 0 1 3\n3 1 2 3\n3 2 0 3\n";
-
-    fn corners(mesh: &TriangleMesh) -> Vec<[glam::DVec3; 3]> {
-        (0..mesh.triangles.len()).map(|t| mesh.corners(t)).collect()
-    }
-
-    fn ascii_stl() -> String {
-        let facet = |c: [glam::DVec3; 3]| {
-            let vertex = |v: glam::DVec3| format!("vertex {:e} {} {}\n", v.x, v.y, v.z);
-            format!("facet normal 0 0 0\nouter loop\n{}endloop\nendfacet\n", c.map(vertex).concat())
-        };
-        let tetrahedron = read_mesh(OBJ.as_bytes(), "obj").unwrap();
-        format!("solid a b\n{}endsolid\n", corners(&tetrahedron).into_iter().map(facet).collect::<String>())
-    }
-
-    fn binary_stl() -> Vec<u8> {
-        let mut bytes = vec![b's'; 80];
-        bytes.extend(4u32.to_le_bytes());
-        for c in corners(&read_mesh(OBJ.as_bytes(), "obj").unwrap()) {
-            bytes.extend([0; 12]);
-            c.iter().flat_map(|v| v.to_array()).for_each(|x| bytes.extend((x as f32).to_le_bytes()));
-            bytes.extend([0; 2]);
-        }
-        bytes
-    }
-
-    fn binary_ply(big_endian: bool) -> Vec<u8> {
-        let endian = if big_endian { "big" } else { "little" };
-        let mut bytes = PLY.split_inclusive("end_header\n").next().unwrap().as_bytes().to_vec();
-        bytes = String::from_utf8(bytes)
-            .unwrap()
-            .replace("ascii", &format!("binary_{endian}_endian"))
-            .into_bytes();
-        let mesh = read_mesh(OBJ.as_bytes(), "obj").unwrap();
-        for v in &mesh.vertices {
-            for x in v.to_array() {
-                let x = x as f32;
-                bytes.extend(if big_endian { x.to_be_bytes() } else { x.to_le_bytes() });
-            }
-            bytes.push(9);
-        }
-        for t in &mesh.triangles {
-            bytes.push(3);
-            t.iter().for_each(|v| bytes.extend(if big_endian { v.to_be_bytes() } else { v.to_le_bytes() }));
-        }
-        bytes
-    }
-
-    fn samples() -> Vec<(&'static str, Vec<u8>)> {
-        vec![
-            ("obj", OBJ.into()),
-            ("PLY", PLY.into()),
-            ("stl", ascii_stl().into()),
-            ("stl", binary_stl()),
-            ("ply", binary_ply(false)),
-            ("ply", binary_ply(true)),
-        ]
-    }
-
-    #[test]
-    fn every_format_reads_the_same_triangles() {
-        let expected = corners(&read_mesh(OBJ.as_bytes(), "obj").unwrap());
-        assert_eq!(expected[2], [glam::DVec3::X, glam::DVec3::Y, glam::DVec3::Z]);
-        for (extension, bytes) in samples() {
-            let mesh = read_mesh(&bytes, extension).unwrap();
-            assert_eq!(corners(&mesh), expected, "{extension}");
-        }
-    }
-
-    #[test]
-    fn errors_say_where_they_are() {
-        let check = |extension: &str, bytes: &[u8], says: &str| {
-            let error = read_mesh(bytes, extension).unwrap_err().to_string();
-            assert!(error.contains(says), "{error:?} does not say {says:?}");
-        };
-        check("obj", b"", "empty");
-        check("step", b"x", "`.step` is not a mesh format");
-        check("obj", b"v 0 0 0\n", "no triangle");
-        check("obj", b"v 0 0 0\nv 1 x 0\n", "line 2: `x` is not a number");
-        check("obj", b"v 0 0\n", "line 1: a vertex has 3 coordinates");
-        check("obj", b"v 0 0 nan\n", "line 1: `nan` is not a finite number");
-        check("obj", b"v 0 0 0\nf 1 1\n", "line 2: a face needs 3 corners, has 2");
-        check("obj", b"v 0 0 0\nf 1 1 2\n", "line 2: vertex 2 does not exist");
-        check("obj", b"v 0 0 0\nf 1 1 0\n", "line 2: vertex 0 does not exist");
-        check("obj", b"<html>\n", "line 1: `<html>` is not an OBJ keyword");
-        check("stl", b"solid\nfacet normal 0 0 0\nouter loop\nvertex 1 2", "line 4: the file ends");
-        check("stl", b"solid\nfacet normal 0 0 0\nouter lop\n", "line 3: `lop` where `loop`");
-        check("stl", &binary_stl()[..200], "byte 200: the file ends, but 4 triangles need 284 bytes");
-        check("stl", &[binary_stl(), vec![0; 3]].concat(), "byte 284: 3 bytes follow");
-        check("stl", &[0; 20], "byte 20: the file ends");
-        check("ply", b"ply\nformat ascii 2.0\n", "line 2: ");
-        check("ply", b"plie\n", "line 1: ");
-        check("ply", PLY.replace("element vertex 4", "element vertex 5").as_bytes(), "line ");
-        check("ply", PLY.replace("element vertex 4", "element vertex 99999999999").as_bytes(), "line 4: ");
-        check("ply", PLY.replace("3 2 0 3", "3 2 0 7").as_bytes(), "line 19: vertex 7 does not exist");
-        check("ply", &binary_ply(true)[..230], "line 4: 4 × `vertex` need 52 bytes at least");
-        let good = binary_ply(true);
-        check("ply", &good[..good.len() - 1], "byte 298: the file ends too early");
-    }
-
-    #[test]
-    fn a_shortened_file_is_an_error_or_an_open_mesh() {
-        for (extension, bytes) in samples() {
-            for length in 0..bytes.len().saturating_sub(2) {
-                let whole = read_mesh(&bytes[..length], extension).is_ok_and(|m| m.triangles.len() == 4);
-                assert!(!whole, "{extension} cut to {length} bytes");
-            }
-        }
-    }
-
-    proptest! {
-        #[test]
-        fn garbage_never_panics(bytes in prop::collection::vec(any::<u8>(), 0..400), pick in 0..3usize) {
-            let _ = read_mesh(&bytes, ["obj", "stl", "ply"][pick]);
-        }
-
-        #[test]
-        fn damage_never_panics(pick in 0..6usize, at in any::<prop::sample::Index>(), value in any::<u8>()) {
-            let (extension, mut bytes) = samples().swap_remove(pick);
-            let at = at.index(bytes.len());
-            bytes[at] = value;
-            if let Ok(mesh) = read_mesh(&bytes, extension) {
-                let count = mesh.vertices.len() as u32;
-                prop_assert!(mesh.triangles.iter().flatten().all(|&v| v < count));
-                prop_assert!(mesh.vertices.iter().all(|v| v.is_finite()));
-            }
-        }
-    }
-}
+mod tests;

@@ -1,104 +1,117 @@
 //! Wavefront OBJ: `v` and `f` lines. Texture, normals, groups and materials are passed over; curved surfaces are refused.
 
+use crate::builder::MeshBuilder;
 use crate::error::{Place, ReadError};
-use crate::polygon::push_fan;
-use crate::words::parse_number;
-use fibar_core::artefact::mesh::TriangleMesh;
+use crate::stream::Stream;
+use crate::words::{parse_number, shown};
 use glam::DVec3;
 
 /// Keywords that say nothing about triangles.
-const PASSED_OVER: [&str; 18] = [
-    "vt",
-    "vn",
-    "vp",
-    "g",
-    "o",
-    "s",
-    "mg",
-    "l",
-    "p",
-    "usemtl",
-    "mtllib",
-    "usemap",
-    "maplib",
-    "bevel",
-    "c_interp",
-    "d_interp",
-    "lod",
-    "shadow_obj",
+const PASSED_OVER: [&[u8]; 18] = [
+    b"vt",
+    b"vn",
+    b"vp",
+    b"g",
+    b"o",
+    b"s",
+    b"mg",
+    b"l",
+    b"p",
+    b"usemtl",
+    b"mtllib",
+    b"usemap",
+    b"maplib",
+    b"bevel",
+    b"c_interp",
+    b"d_interp",
+    b"lod",
+    b"shadow_obj",
 ];
 
 /// Reads an OBJ file.
-pub fn read(bytes: &[u8]) -> Result<TriangleMesh, ReadError> {
-    let mut mesh = TriangleMesh::default();
-    for (line, text) in logical_lines(bytes)? {
-        read_line(&mut mesh, &text, Place::Line(line))?;
+pub fn read(mut stream: Stream, mesh: &mut MeshBuilder) -> Result<(), ReadError> {
+    let (mut text, mut corners) = (Vec::new(), Vec::new());
+    let mut line = 1;
+    loop {
+        let lines = logical_line(&mut stream, &mut text)?;
+        if lines == 0 {
+            return Ok(());
+        }
+        read_line(mesh, &text, &mut corners, Place::Line(line))?;
+        line += lines;
     }
-    Ok(mesh)
 }
 
-/// Lines without comments, those ending in `\` joined with the next; each with the number of its first line.
-fn logical_lines(bytes: &[u8]) -> Result<Vec<(usize, String)>, ReadError> {
-    let mut lines: Vec<(usize, String)> = Vec::new();
-    let mut continued = false;
-    for (k, raw) in bytes.split(|&b| b == b'\n').enumerate() {
-        let text = raw.split(|&b| b == b'#').next().unwrap_or_default();
-        let text = std::str::from_utf8(text)
-            .map_err(|_| ReadError::new(Place::Line(k + 1), "this is not text"))?
-            .trim_end();
-        let (content, continues) = match text.strip_suffix('\\') {
-            Some(content) => (content, true),
-            None => (text, false),
-        };
-        match lines.last_mut().filter(|_| continued) {
-            Some((_, line)) => line.push_str(content),
-            None => lines.push((k + 1, content.to_string())),
+/// The next line without comment, those ending in `\` joined with what follows. Returns how many lines it took.
+fn logical_line(stream: &mut Stream, text: &mut Vec<u8>) -> Result<u64, ReadError> {
+    text.clear();
+    let mut lines = 0;
+    while let Some(raw) = stream.line()? {
+        lines += 1;
+        let line = raw.split(|&b| b == b'#').next().unwrap_or_default().trim_ascii_end();
+        match line.strip_suffix(b"\\") {
+            Some(start) => text.extend_from_slice(start),
+            None => {
+                text.extend_from_slice(line);
+                break;
+            }
         }
-        continued = continues;
     }
     Ok(lines)
 }
 
-fn read_line(mesh: &mut TriangleMesh, text: &str, place: Place) -> Result<(), ReadError> {
-    let mut words = text.split_ascii_whitespace();
-    match words.next() {
-        None => Ok(()),
-        Some("v") => read_vertex(words, place).map(|vertex| mesh.vertices.push(vertex)),
-        Some("f") => read_face(mesh, words, place),
-        Some(word) if PASSED_OVER.contains(&word) => Ok(()),
-        Some(word) => {
-            Err(ReadError::new(place, format!("`{word}` is not an OBJ keyword that holds triangles")))
-        }
-    }
-}
-
-fn read_vertex<'a>(words: impl Iterator<Item = &'a str>, place: Place) -> Result<DVec3, ReadError> {
-    let numbers = words.take(3).map(|word| parse_number(word, place)).collect::<Result<Vec<f64>, _>>()?;
-    match numbers[..] {
-        [x, y, z] => Ok(DVec3::new(x, y, z)),
-        _ => Err(ReadError::new(place, format!("a vertex has 3 coordinates, this one {}", numbers.len()))),
-    }
-}
-
-/// `f 1 2 3`, `f 1/1/1 …`, `f -3 -2 -1`: only the first number of a corner matters.
-fn read_face<'a>(
-    mesh: &mut TriangleMesh,
-    words: impl Iterator<Item = &'a str>,
+fn read_line(
+    mesh: &mut MeshBuilder,
+    text: &[u8],
+    corners: &mut Vec<i64>,
     place: Place,
 ) -> Result<(), ReadError> {
-    let count = mesh.vertices.len() as i64;
-    let corner = |word: &str| {
-        let number = word.split('/').next().unwrap_or_default();
-        match number.parse::<i64>() {
-            Ok(number) if number > count || number == 0 || number < -count => Err(ReadError::new(
-                place,
-                format!("vertex {number} does not exist, there are {count} so far"),
-            )),
-            Ok(number) if number < 0 => Ok(count + number),
-            Ok(number) => Ok(number - 1),
-            Err(_) => Err(ReadError::new(place, format!("`{word}` is not a corner of a face"))),
+    let text = text.trim_ascii_start();
+    let length = text.iter().position(u8::is_ascii_whitespace).unwrap_or(text.len());
+    let (keyword, rest) = text.split_at(length);
+    if keyword.is_empty() || PASSED_OVER.contains(&keyword) {
+        return Ok(());
+    }
+    if keyword != b"v" && keyword != b"f" {
+        let keyword = shown(&String::from_utf8_lossy(keyword));
+        let message = format!("`{keyword}` is not an OBJ keyword that holds triangles");
+        return Err(ReadError::new(place, message));
+    }
+    let rest = std::str::from_utf8(rest).map_err(|_| ReadError::new(place, "this is not text"))?;
+    let words = rest.split_ascii_whitespace();
+    if keyword == b"v" {
+        return mesh.push_vertex(read_vertex(words, place)?, place);
+    }
+    corners.clear();
+    words
+        .map(|word| corner(word, mesh.vertex_count(), place))
+        .try_for_each(|k| k.map(|k| corners.push(k)))?;
+    mesh.push_polygon(corners, place)
+}
+
+/// Three coordinates; a weight or a colour after them is passed over.
+fn read_vertex<'a>(words: impl Iterator<Item = &'a str>, place: Place) -> Result<DVec3, ReadError> {
+    let (mut numbers, mut count) = ([0.0; 3], 0);
+    for word in words.take(3) {
+        numbers[count] = parse_number(word, place)?;
+        count += 1;
+    }
+    if count < 3 {
+        return Err(ReadError::new(place, format!("a vertex has 3 coordinates, this one {count}")));
+    }
+    Ok(DVec3::from_array(numbers))
+}
+
+/// `1`, `1/1/1`, `-3`: only the first number of a corner matters; counted from 1, or back from the latest vertex.
+fn corner(word: &str, count: usize, place: Place) -> Result<i64, ReadError> {
+    let number = word.split('/').next().unwrap_or_default();
+    let count = count as i64;
+    match number.parse::<i64>() {
+        Ok(number) if number > count || number == 0 || number < -count => {
+            Err(ReadError::new(place, format!("vertex {number} does not exist, there are {count} so far")))
         }
-    };
-    let corners = words.map(corner).collect::<Result<Vec<i64>, _>>()?;
-    push_fan(&mut mesh.triangles, &corners, mesh.vertices.len(), place)
+        Ok(number) if number < 0 => Ok(count + number),
+        Ok(number) => Ok(number - 1),
+        Err(_) => Err(ReadError::new(place, format!("`{}` is not a corner of a face", shown(word)))),
+    }
 }

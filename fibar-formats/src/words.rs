@@ -1,61 +1,83 @@
 //! Text as words with their lines.
 
 use crate::error::{Place, ReadError};
+use crate::stream::Stream;
 
 /// The words of a text, split at white space.
 pub struct Words<'a> {
-    rest: &'a [u8],
-    line: usize,
+    stream: Stream<'a>,
+    line: u64,
+}
+
+/// A word and where it stands.
+pub struct Word<'w> {
+    /// The word; empty where the text ends.
+    pub text: &'w str,
+    /// Its line.
+    pub place: Place,
 }
 
 impl<'a> Words<'a> {
-    /// Words of `text`, whose first line counts as `line`.
-    pub fn new(text: &'a [u8], line: usize) -> Words<'a> {
-        Words { rest: text, line }
+    /// Words of a text, whose first line counts as `line`.
+    pub fn new(stream: Stream<'a>, line: u64) -> Words<'a> {
+        Words { stream, line }
     }
 
     /// The next word; an error where the text ends.
-    pub fn next(&mut self) -> Result<&'a str, ReadError> {
-        self.peek_start();
-        let length = self.rest.iter().position(u8::is_ascii_whitespace).unwrap_or(self.rest.len());
-        let (word, rest) = self.rest.split_at(length);
-        self.rest = rest;
-        if word.is_empty() {
+    pub fn next(&mut self) -> Result<Word<'_>, ReadError> {
+        if self.is_at_end()? {
             return Err(self.error("the file ends too early"));
         }
-        std::str::from_utf8(word).map_err(|_| self.error("this is not text"))
+        let length = self.stream.length_until(|byte| byte.is_ascii_whitespace())?;
+        let place = self.place();
+        let text = std::str::from_utf8(self.stream.take(length)?);
+        text.map(|text| Word { text, place }).map_err(|_| ReadError::new(place, "this is not text"))
     }
 
     /// The next word, which must be `word` (any case).
     pub fn expect(&mut self, word: &str) -> Result<(), ReadError> {
         let found = self.next()?;
-        if found.eq_ignore_ascii_case(word) {
+        if found.text.eq_ignore_ascii_case(word) {
             return Ok(());
         }
-        Err(self.error(format!("`{found}` where `{word}` should be")))
+        Err(found.error(format!("`{}` where `{word}` should be", found.shown())))
     }
 
     /// The next word as a finite number.
     pub fn number(&mut self) -> Result<f64, ReadError> {
         let word = self.next()?;
-        parse_number(word, self.place())
+        parse_number(word.text, word.place)
     }
 
     /// Leaves out the rest of the line.
-    pub fn skip_line(&mut self) {
-        let length = self.rest.iter().position(|&b| b == b'\n').unwrap_or(self.rest.len());
-        self.rest = &self.rest[length..];
+    pub fn skip_line(&mut self) -> Result<(), ReadError> {
+        let length = self.stream.length_until(|byte| byte == b'\n')?;
+        self.stream.skip(length);
+        Ok(())
     }
 
-    /// Whether only white space is left.
-    pub fn is_at_end(&mut self) -> bool {
-        self.peek_start();
-        self.rest.is_empty()
+    /// Moves to the first byte of the next word; true if there is none.
+    pub fn is_at_end(&mut self) -> Result<bool, ReadError> {
+        let mut lines = 0;
+        loop {
+            let window = self.stream.peek(1)?;
+            let blank = window.iter().position(|b| !b.is_ascii_whitespace()).unwrap_or(window.len());
+            lines += window[..blank].iter().filter(|&&b| b == b'\n').count() as u64;
+            let (is_end, is_word) = (window.is_empty(), blank < window.len());
+            self.stream.skip(blank);
+            if is_word {
+                // At the end of the file an error belongs to the last line that holds something.
+                self.line += lines;
+            }
+            if is_end || is_word {
+                return Ok(is_end);
+            }
+        }
     }
 
-    /// Bytes not read yet, white space before and after them aside.
-    pub fn remaining(&self) -> usize {
-        self.rest.trim_ascii().len()
+    /// Bytes not read yet, white space included.
+    pub fn remaining(&self) -> u64 {
+        self.stream.remaining()
     }
 
     /// The line of the word read last.
@@ -67,16 +89,17 @@ impl<'a> Words<'a> {
     pub fn error(&self, message: impl Into<String>) -> ReadError {
         ReadError::new(self.place(), message)
     }
+}
 
-    /// Moves to the first byte of the next word.
-    fn peek_start(&mut self) {
-        let blank = self.rest.iter().position(|b| !b.is_ascii_whitespace()).unwrap_or(self.rest.len());
-        let (skipped, rest) = self.rest.split_at(blank);
-        // At the end of the file the error belongs to the last line that holds something.
-        if !rest.is_empty() {
-            self.line += skipped.iter().filter(|&&b| b == b'\n').count();
-        }
-        self.rest = rest;
+impl Word<'_> {
+    /// An error here.
+    pub fn error(&self, message: impl Into<String>) -> ReadError {
+        ReadError::new(self.place, message)
+    }
+
+    /// The word as it can be shown.
+    pub fn shown(&self) -> String {
+        shown(self.text)
     }
 }
 
@@ -84,7 +107,13 @@ impl<'a> Words<'a> {
 pub fn parse_number(word: &str, place: Place) -> Result<f64, ReadError> {
     match word.parse::<f64>() {
         Ok(number) if number.is_finite() => Ok(number),
-        Ok(_) => Err(ReadError::new(place, format!("`{word}` is not a finite number"))),
-        Err(_) => Err(ReadError::new(place, format!("`{word}` is not a number"))),
+        Ok(_) => Err(ReadError::new(place, format!("`{}` is not a finite number", shown(word)))),
+        Err(_) => Err(ReadError::new(place, format!("`{}` is not a number", shown(word)))),
     }
+}
+
+/// The beginning of a text, without control characters: fit for a message.
+pub fn shown(text: &str) -> String {
+    let head: String = text.chars().take(40).map(|c| if c.is_control() { '\u{FFFD}' } else { c }).collect();
+    if text.chars().nth(40).is_some() { head + "…" } else { head }
 }

@@ -12,12 +12,19 @@ use fibar_core::artefact::solids::Solids;
 use fibar_core::artefact::verdict::Verdict;
 use fibar_core::protocol::{HostMessage, PluginMessage};
 use fibar_engine::recipe::{Matrix, Recipe};
+use fibar_formats::Limits;
+use std::io::{Cursor, Write};
+use zip::write::{SimpleFileOptions, ZipWriter};
 
 /// Every target: its name, which is that of its corpus, and what it does with bytes.
-pub const TARGETS: [(&str, fn(&[u8])); 7] = [
+pub const TARGETS: [(&str, fn(&[u8])); 11] = [
     ("stl", |bytes| mesh_file(bytes, "stl")),
     ("obj", |bytes| mesh_file(bytes, "obj")),
     ("ply", |bytes| mesh_file(bytes, "ply")),
+    ("off", |bytes| mesh_file(bytes, "off")),
+    ("3mf", |bytes| mesh_file(bytes, "3mf")),
+    ("3mf-model", model_3mf),
+    ("gltf", |bytes| mesh_file(bytes, "gltf")),
     ("artefact-mesh", artefact_mesh),
     ("artefact-json", artefact_json),
     ("protocol", protocol),
@@ -32,11 +39,33 @@ pub fn run(target: &str, bytes: &[u8]) {
 
 /// A file of somebody else's, in the format of an extension.
 fn mesh_file(bytes: &[u8], extension: &str) {
-    let Ok(mesh) = fibar_formats::read_mesh(bytes, extension) else { return };
+    let limits = Limits { triangles: 100_000, mends_3mf: bytes.len() % 2 == 1 };
+    let Ok(file) = fibar_formats::read(Cursor::new(bytes), extension, &limits) else { return };
+    let mesh = &file.mesh;
     let count = mesh.vertices.len();
     assert!(mesh.vertices.iter().all(|v| v.is_finite()), "a vertex is not finite");
     assert!(mesh.triangles.iter().flatten().all(|&v| (v as usize) < count), "a triangle has unknown corners");
-    assert!(!mesh.triangles.is_empty(), "a mesh without triangles was accepted");
+    let triangles = mesh.triangles.len();
+    assert!((1..=100_000).contains(&triangles), "{triangles} triangles were accepted");
+    assert!(file.parts.iter().all(|p| p.triangles.start <= p.triangles.end && p.triangles.end <= triangles));
+}
+
+/// The model part of a 3MF document that is sound otherwise: what a check sum would keep from being looked at.
+fn model_3mf(bytes: &[u8]) {
+    let types = r#"<Types xmlns="http://schemas.openxmlformats.org/package/2006/content-types"><Default Extension="rels" ContentType="application/vnd.openxmlformats-package.relationships+xml"/><Default Extension="model" ContentType="application/vnd.ms-package.3dmanufacturing-3dmodel+xml"/></Types>"#;
+    let relationships = r#"<Relationships xmlns="http://schemas.openxmlformats.org/package/2006/relationships"><Relationship Target="/3D/3dmodel.model" Id="a" Type="http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"/></Relationships>"#;
+    let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
+    let stored = SimpleFileOptions::default().compression_method(zip::CompressionMethod::Stored);
+    let files = [
+        ("[Content_Types].xml", types.as_bytes()),
+        ("_rels/.rels", relationships.as_bytes()),
+        ("3D/3dmodel.model", bytes),
+    ];
+    for (name, content) in files {
+        zip.start_file(name, stored).expect("the archive is in memory");
+        zip.write_all(content).expect("the archive is in memory");
+    }
+    mesh_file(zip.finish().expect("the archive is in memory").get_ref(), "3mf");
 }
 
 /// The exchange form between stages: what is read is written back to the same bytes.

@@ -2,6 +2,8 @@
 
 use super::numbers::{Kind, Numbers};
 use crate::error::{Place, ReadError};
+use crate::stream::Stream;
+use crate::words::{Words, shown};
 
 /// A table of the file.
 pub struct Element {
@@ -12,7 +14,7 @@ pub struct Element {
     /// Columns.
     pub properties: Vec<Property>,
     /// Line of the header that declares it.
-    pub line: usize,
+    pub line: u64,
 }
 
 /// A column.
@@ -36,37 +38,29 @@ pub enum Shape {
     },
 }
 
-/// Reads the header; returns the elements and what follows.
-pub fn read(bytes: &[u8]) -> Result<(Vec<Element>, Numbers<'_>), ReadError> {
-    let mut lines = Lines { bytes, at: 0, line: 0 };
+/// Reads the header; returns the elements and the numbers that follow.
+pub fn read(stream: Stream) -> Result<(Vec<Element>, Numbers), ReadError> {
+    let mut lines = Lines { stream, line: 0 };
     if lines.next()?.trim() != "ply" {
         return Err(lines.error("a PLY file starts with `ply`"));
     }
-    let mut format = None;
-    let mut elements: Vec<Element> = Vec::new();
+    let (mut format, mut elements) = (String::new(), Vec::new());
     loop {
-        let words: Vec<&str> = lines.next()?.split_ascii_whitespace().collect();
-        match words[..] {
+        let text = lines.next()?;
+        match text.split_ascii_whitespace().collect::<Vec<_>>()[..] {
             ["end_header"] => break,
             [] | ["comment" | "obj_info", ..] => {}
-            ["format", name, "1.0"] => format = Some(name),
+            ["format", name, "1.0"] => format = name.to_string(),
             ["element", name, count] => elements.push(read_element(name, count, &lines)?),
-            ["property", ref rest @ ..] => {
-                let property = read_property(rest, &lines)?;
-                let element = elements.last_mut();
-                element
-                    .ok_or_else(|| lines.error("a property before any element"))?
-                    .properties
-                    .push(property);
-            }
-            _ => return Err(lines.error(format!("`{}` has no place in a PLY header", words.join(" ")))),
+            ["property", ref rest @ ..] => push_property(&mut elements, rest, &lines)?,
+            _ => return Err(lines.error(format!("`{}` has no place in a PLY header", shown(&text)))),
         }
     }
-    let rest = &bytes[lines.at..];
-    let numbers = match format {
-        Some("ascii") => Numbers::text(rest, lines.line + 1),
-        Some("binary_little_endian") => Numbers::little_endian(bytes, lines.at),
-        Some("binary_big_endian") => Numbers::big_endian(bytes, lines.at),
+    let binary = |stream, is_big_endian| Numbers::Binary { stream, is_big_endian };
+    let numbers = match format.as_str() {
+        "ascii" => Numbers::Text(Words::new(lines.stream, lines.line + 1)),
+        "binary_little_endian" => binary(lines.stream, false),
+        "binary_big_endian" => binary(lines.stream, true),
         _ => return Err(lines.error("the header names no format that is known: ascii or binary, 1.0")),
     };
     Ok((elements, numbers))
@@ -77,35 +71,34 @@ fn read_element(name: &str, count: &str, lines: &Lines) -> Result<Element, ReadE
     Ok(Element { name: name.into(), count, properties: Vec::new(), line: lines.line })
 }
 
-/// The words after `property`.
-fn read_property(words: &[&str], lines: &Lines) -> Result<Property, ReadError> {
-    let kind =
-        |name: &str| Kind::named(name).ok_or_else(|| lines.error(format!("`{name}` is not a PLY type")));
-    match *words {
-        ["list", count, item, name] => {
-            let shape = Shape::List { count: kind(count)?, item: kind(item)? };
-            Ok(Property { name: name.into(), shape })
-        }
-        [scalar, name] => Ok(Property { name: name.into(), shape: Shape::Scalar(kind(scalar)?) }),
-        _ => Err(lines.error("a property has a type and a name, or `list`, two types and a name")),
-    }
+/// The words after `property`, which belong to the latest element.
+fn push_property(elements: &mut [Element], words: &[&str], lines: &Lines) -> Result<(), ReadError> {
+    let unknown = |name: &str| lines.error(format!("`{}` is not a PLY type", shown(name)));
+    let kind = |name: &str| Kind::named(name).ok_or_else(|| unknown(name));
+    let (name, shape) = match *words {
+        ["list", count, item, name] => (name, Shape::List { count: kind(count)?, item: kind(item)? }),
+        [scalar, name] => (name, Shape::Scalar(kind(scalar)?)),
+        _ => return Err(lines.error("a property has a type and a name, or `list`, two types and a name")),
+    };
+    let element = elements.last_mut().ok_or_else(|| lines.error("a property before any element"))?;
+    element.properties.push(Property { name: name.into(), shape });
+    Ok(())
 }
 
 /// The lines of the header.
 struct Lines<'a> {
-    bytes: &'a [u8],
-    at: usize,
-    line: usize,
+    stream: Stream<'a>,
+    line: u64,
 }
 
-impl<'a> Lines<'a> {
-    fn next(&mut self) -> Result<&'a str, ReadError> {
-        let rest = &self.bytes[self.at..];
+impl Lines<'_> {
+    fn next(&mut self) -> Result<String, ReadError> {
         self.line += 1;
-        let length = rest.iter().position(|&b| b == b'\n');
-        let length = length.ok_or_else(|| self.error("the file ends before `end_header`"))?;
-        self.at += length + 1;
-        std::str::from_utf8(&rest[..length]).map_err(|_| self.error("this is not text"))
+        let place = Place::Line(self.line);
+        let line = self.stream.line()?;
+        let line = line.ok_or_else(|| ReadError::new(place, "the file ends before `end_header`"))?;
+        let text = std::str::from_utf8(line).map_err(|_| ReadError::new(place, "this is not text"))?;
+        Ok(text.to_string())
     }
 
     fn error(&self, message: impl Into<String>) -> ReadError {

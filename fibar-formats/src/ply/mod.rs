@@ -5,36 +5,36 @@
 mod header;
 mod numbers;
 
+use crate::builder::MeshBuilder;
 use crate::error::{Place, ReadError};
-use crate::polygon::push_fan;
-use fibar_core::artefact::mesh::TriangleMesh;
+use crate::stream::Stream;
 use glam::DVec3;
 use header::{Element, Property, Shape};
 use numbers::Numbers;
 
 /// Reads a PLY file.
-pub fn read(bytes: &[u8]) -> Result<TriangleMesh, ReadError> {
-    let (header, mut numbers) = header::read(bytes)?;
-    let mut mesh = TriangleMesh::default();
+pub fn read(stream: Stream, mesh: &mut MeshBuilder) -> Result<(), ReadError> {
+    let (header, mut numbers) = header::read(stream)?;
     for element in &header {
         check_count(element, &numbers)?;
         match element.name.as_str() {
-            "vertex" => read_vertices(&mut mesh, element, &mut numbers)?,
-            "face" => read_faces(&mut mesh, element, &mut numbers)?,
-            _ => (0..element.count).try_for_each(|_| read_row(element, &mut numbers).map(drop))?,
+            "vertex" => read_vertices(mesh, element, &mut numbers)?,
+            "face" => read_faces(mesh, element, &mut numbers)?,
+            _ => (0..element.count).try_for_each(|_| pass_over(&element.properties, &mut numbers))?,
         }
     }
-    match numbers.remaining() {
-        0 => Ok(mesh),
-        surplus => Err(ReadError::new(numbers.place(), format!("{surplus} bytes follow the last element"))),
+    match numbers.is_at_end()? {
+        true => Ok(()),
+        false => Err(ReadError::new(numbers.place(), "more bytes follow the last element")),
     }
 }
 
 /// A count that the rest of the file cannot hold is refused before anything is allocated for it.
 fn check_count(element: &Element, numbers: &Numbers) -> Result<(), ReadError> {
     let least: u64 = element.properties.iter().map(|p| numbers.least_bytes(p)).sum();
-    let needed = u64::from(element.count) * least.max(1);
-    if needed <= numbers.remaining() as u64 {
+    // The last number of a text may end with the file rather than with white space.
+    let needed = (u64::from(element.count) * least.max(1)).saturating_sub(numbers.spare_bytes());
+    if needed <= numbers.remaining() {
         return Ok(());
     }
     let Element { name, count, line, .. } = element;
@@ -44,57 +44,58 @@ fn check_count(element: &Element, numbers: &Numbers) -> Result<(), ReadError> {
         .try_this("the file is cut short; copy or export it again"))
 }
 
-fn read_vertices(mesh: &mut TriangleMesh, element: &Element, numbers: &mut Numbers) -> Result<(), ReadError> {
+fn read_vertices(mesh: &mut MeshBuilder, element: &Element, numbers: &mut Numbers) -> Result<(), ReadError> {
     let find = |name: &str| {
-        let index =
-            element.properties.iter().position(|p| p.name == name && matches!(p.shape, Shape::Scalar(_)));
-        index.ok_or_else(|| {
+        let is_it = |p: &Property| p.name == name && matches!(p.shape, Shape::Scalar(_));
+        element.properties.iter().position(is_it).ok_or_else(|| {
             ReadError::new(Place::Line(element.line), format!("`vertex` has no property `{name}`"))
         })
     };
     let axes = [find("x")?, find("y")?, find("z")?];
     for _ in 0..element.count {
-        let row = read_row(element, numbers)?;
-        let vertex = DVec3::from_array(axes.map(|axis| row[axis][0]));
-        if !vertex.is_finite() {
-            return Err(ReadError::new(numbers.place(), "a vertex is not finite"));
-        }
-        mesh.vertices.push(vertex);
-    }
-    Ok(())
-}
-
-fn read_faces(mesh: &mut TriangleMesh, element: &Element, numbers: &mut Numbers) -> Result<(), ReadError> {
-    let is_corners = |p: &Property| p.name == "vertex_indices" || p.name == "vertex_index";
-    let corners = element.properties.iter().position(is_corners).ok_or_else(|| {
-        ReadError::new(Place::Line(element.line), "`face` has no property list `vertex_indices`")
-    })?;
-    for _ in 0..element.count {
-        let row = read_row(element, numbers)?;
-        // A fraction is no index: it becomes −1, which no vertex has.
-        let index = |x: &f64| if x.fract() == 0.0 { *x as i64 } else { -1 };
-        let polygon: Vec<i64> = row[corners].iter().map(index).collect();
-        push_fan(&mut mesh.triangles, &polygon, mesh.vertices.len(), numbers.place())?;
-    }
-    Ok(())
-}
-
-/// The values of one row: a list per property, of length one for a scalar.
-fn read_row(element: &Element, numbers: &mut Numbers) -> Result<Vec<Vec<f64>>, ReadError> {
-    element.properties.iter().map(|property| read_property(property, numbers)).collect()
-}
-
-fn read_property(property: &Property, numbers: &mut Numbers) -> Result<Vec<f64>, ReadError> {
-    match property.shape {
-        Shape::Scalar(kind) => Ok(vec![numbers.next(kind)?]),
-        Shape::List { count, item } => {
-            let length = numbers.next(count)?;
-            if length < 0.0 || length.fract() != 0.0 || length > numbers.remaining() as f64 {
-                let message =
-                    format!("a list of {length} × `{}` does not fit the rest of the file", property.name);
-                return Err(ReadError::new(numbers.place(), message));
+        let mut vertex = [0.0; 3];
+        for (k, property) in element.properties.iter().enumerate() {
+            match (axes.iter().position(|&axis| axis == k), &property.shape) {
+                (Some(axis), Shape::Scalar(kind)) => vertex[axis] = numbers.next(*kind)?,
+                _ => pass_over(std::slice::from_ref(property), numbers)?,
             }
-            (0..length as usize).map(|_| numbers.next(item)).collect()
+        }
+        mesh.push_vertex(DVec3::from_array(vertex), numbers.place())?;
+    }
+    Ok(())
+}
+
+fn read_faces(mesh: &mut MeshBuilder, element: &Element, numbers: &mut Numbers) -> Result<(), ReadError> {
+    let no_corners =
+        || ReadError::new(Place::Line(element.line), "`face` has no property list `vertex_indices`");
+    let is_corners = |p: &Property| p.name == "vertex_indices" || p.name == "vertex_index";
+    let at = element.properties.iter().position(is_corners).ok_or_else(no_corners)?;
+    let Shape::List { count, item } = element.properties[at].shape else { return Err(no_corners()) };
+    mesh.announce_triangles(u64::from(element.count), Place::Line(element.line))?;
+    // A fraction is no index: it becomes −1, which no vertex has.
+    let index = |x: f64| if x.fract() == 0.0 { x as i64 } else { -1 };
+    let mut corners = Vec::new();
+    for _ in 0..element.count {
+        pass_over(&element.properties[..at], numbers)?;
+        corners.clear();
+        for _ in 0..numbers.length(count, item)? {
+            corners.push(index(numbers.next(item)?));
+        }
+        mesh.push_polygon(&corners, numbers.place())?;
+        pass_over(&element.properties[at + 1..], numbers)?;
+    }
+    Ok(())
+}
+
+/// Reads values that say nothing about triangles.
+fn pass_over(properties: &[Property], numbers: &mut Numbers) -> Result<(), ReadError> {
+    for property in properties {
+        match property.shape {
+            Shape::Scalar(kind) => drop(numbers.next(kind)?),
+            Shape::List { count, item } => {
+                (0..numbers.length(count, item)?).try_for_each(|_| numbers.next(item).map(drop))?;
+            }
         }
     }
+    Ok(())
 }

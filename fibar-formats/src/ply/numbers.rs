@@ -2,6 +2,7 @@
 
 use super::header::{Property, Shape};
 use crate::error::{Place, ReadError};
+use crate::stream::Stream;
 use crate::words::Words;
 
 /// How a number is written in a binary file.
@@ -17,12 +18,17 @@ pub enum Kind {
     F64,
 }
 
-/// A stream of numbers with its place in the file.
+/// Numbers with their places in the file.
 pub enum Numbers<'a> {
     /// Words.
     Text(Words<'a>),
     /// Bytes of either order.
-    Binary { bytes: &'a [u8], at: usize, is_big_endian: bool },
+    Binary {
+        /// Where they come from.
+        stream: Stream<'a>,
+        /// Most significant byte first.
+        is_big_endian: bool,
+    },
 }
 
 impl Kind {
@@ -65,67 +71,74 @@ impl Kind {
     }
 }
 
-impl<'a> Numbers<'a> {
-    /// Numbers as words; the first line of `text` is line `line` of the file.
-    pub fn text(text: &'a [u8], line: usize) -> Numbers<'a> {
-        Numbers::Text(Words::new(text, line))
-    }
-
-    /// Numbers from byte `at` on, least significant byte first.
-    pub fn little_endian(bytes: &'a [u8], at: usize) -> Numbers<'a> {
-        Numbers::Binary { bytes, at, is_big_endian: false }
-    }
-
-    /// Numbers from byte `at` on, most significant byte first.
-    pub fn big_endian(bytes: &'a [u8], at: usize) -> Numbers<'a> {
-        Numbers::Binary { bytes, at, is_big_endian: true }
-    }
-
+impl Numbers<'_> {
     /// The next number.
     pub fn next(&mut self, kind: Kind) -> Result<f64, ReadError> {
         match self {
             Numbers::Text(words) => words.number(),
-            Numbers::Binary { bytes, at, is_big_endian } => {
+            Numbers::Binary { stream, is_big_endian } => {
                 let size = kind.size();
-                let Some(taken) = bytes.get(*at..*at + size) else {
-                    return Err(ReadError::new(Place::Byte(bytes.len()), "the file ends too early"));
-                };
                 let mut value = [0; 8];
-                value[..size].copy_from_slice(taken);
+                value[..size].copy_from_slice(stream.take(size)?);
                 if *is_big_endian {
                     value[..size].reverse();
                 }
-                *at += size;
                 Ok(kind.value(value))
             }
         }
     }
 
+    /// The length of a list of `item`, which the rest of the file must be able to hold.
+    pub fn length(&mut self, count: Kind, item: Kind) -> Result<u64, ReadError> {
+        let length = self.next(count)?;
+        let room = self.remaining() / self.least_size(item) + self.spare_bytes();
+        if length >= 0.0 && length.fract() == 0.0 && length <= room as f64 {
+            return Ok(length as u64);
+        }
+        Err(ReadError::new(self.place(), format!("a list of {length} does not fit the rest of the file")))
+    }
+
     /// Least number of bytes that a value of the property takes.
     pub fn least_bytes(&self, property: &Property) -> u64 {
-        let kind = match property.shape {
-            Shape::Scalar(kind) => kind,
-            Shape::List { count, .. } => count,
-        };
+        match property.shape {
+            Shape::Scalar(kind) | Shape::List { count: kind, .. } => self.least_size(kind),
+        }
+    }
+
+    /// A number in text takes a digit and a blank.
+    fn least_size(&self, kind: Kind) -> u64 {
         match self {
-            Numbers::Text(_) => 1,
+            Numbers::Text(_) => 2,
             Numbers::Binary { .. } => kind.size() as u64,
         }
     }
 
-    /// Bytes not read yet, white space at the end aside.
-    pub fn remaining(&self) -> usize {
+    /// The blank that the last number of a text can do without.
+    pub fn spare_bytes(&self) -> u64 {
+        u64::from(matches!(self, Numbers::Text(_)))
+    }
+
+    /// Bytes not read yet.
+    pub fn remaining(&self) -> u64 {
         match self {
             Numbers::Text(words) => words.remaining(),
-            Numbers::Binary { bytes, at, .. } => bytes.len() - *at,
+            Numbers::Binary { stream, .. } => stream.remaining(),
         }
     }
 
-    /// Where the stream is.
+    /// Whether all is read, white space aside.
+    pub fn is_at_end(&mut self) -> Result<bool, ReadError> {
+        match self {
+            Numbers::Text(words) => words.is_at_end(),
+            Numbers::Binary { stream, .. } => Ok(stream.peek(1)?.is_empty()),
+        }
+    }
+
+    /// Where the next number is.
     pub fn place(&self) -> Place {
         match self {
             Numbers::Text(words) => words.place(),
-            Numbers::Binary { at, .. } => Place::Byte(*at),
+            Numbers::Binary { stream, .. } => Place::Byte(stream.offset()),
         }
     }
 }

@@ -1,0 +1,5 @@
+//! The target `off` of `fibar_tests::fuzz`.
+
+#![no_main]
+
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| fibar_tests::fuzz::run("off", bytes));
