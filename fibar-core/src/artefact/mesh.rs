@@ -32,6 +32,15 @@ impl TriangleMesh {
         Some(self.vertices.iter().fold((first, first), |(lo, hi), v| (lo.min(*v), hi.max(*v))))
     }
 
+    /// Signed volume of some triangles by the divergence theorem, mm³: Σ a · (b × c) / 6.
+    pub fn volume_of(&self, triangles: std::ops::Range<usize>) -> f64 {
+        let of = |k: usize| {
+            let [a, b, c] = self.corners(k);
+            a.dot(b.cross(c)) / 6.0
+        };
+        triangles.map(of).sum()
+    }
+
     /// Writes the mesh.
     pub fn to_ply(&self) -> Vec<u8> {
         let header = header(self.vertices.len(), self.triangles.len());

@@ -6,6 +6,7 @@
 pub mod bounds;
 pub mod constellation;
 pub mod mesh;
+pub mod parts;
 pub mod routes;
 pub mod sites;
 pub mod sockets;

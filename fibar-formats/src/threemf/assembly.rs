@@ -7,7 +7,8 @@ use super::rule::Rule;
 use crate::builder::MeshBuilder;
 use crate::error::{Place, ReadError};
 use crate::{Limits, MeshFile, Part};
-use glam::DAffine3;
+use fibar_core::artefact::mesh::TriangleMesh;
+use glam::{DAffine3, DVec3};
 use std::collections::BTreeMap;
 
 /// Components within components; a deeper nest is no design.
@@ -105,7 +106,7 @@ impl<'m> Assembly<'m> {
         if path.is_empty() { self.start } else { path }
     }
 
-    /// Everything that the build names, in mm.
+    /// Everything that the build names, in units of the root.
     pub fn build(&self, limits: &Limits, inspector: &Inspector) -> Result<MeshFile, ReadError> {
         let mut work = Work { mesh: MeshBuilder::new(limits), parts: Vec::new() };
         for item in &self.root.items {
@@ -121,23 +122,17 @@ impl<'m> Assembly<'m> {
                     .note("supports and surfaces are left out: only objects of type `model` are read".into());
             }
             work.mesh.announce_triangles(total.triangles, Place::File)?;
-            let scale = self.scale(key.0);
-            self.push(
-                &mut work,
-                key,
-                object,
-                item.transform * DAffine3::from_scale(glam::DVec3::splat(scale)),
-                &[],
-            )?;
+            let transform = item.transform * self.scale(key.0);
+            self.push(&mut work, key, object, transform, &[])?;
         }
-        let mut mesh = work.mesh.finish();
-        mesh.vertices.iter_mut().for_each(|vertex| *vertex *= self.root.mm_per_unit);
-        Ok(MeshFile { mesh, mm_per_unit: Some(1.0), parts: work.parts, notes: Vec::new() })
+        let mm_per_unit = Some(self.root.mm_per_unit);
+        Ok(MeshFile { mesh: work.mesh.finish(), mm_per_unit, parts: work.parts, notes: Vec::new() })
     }
 
-    /// Units of another part, in units of the root.
-    fn scale(&self, path: &str) -> f64 {
-        self.others.get(path).map_or(1.0, |model| model.mm_per_unit / self.root.mm_per_unit)
+    /// From the units of another part to those of the root.
+    fn scale(&self, path: &str) -> DAffine3 {
+        let scale = self.others.get(path).map_or(1.0, |model| model.mm_per_unit / self.root.mm_per_unit);
+        DAffine3::from_scale(DVec3::splat(scale))
     }
 
     /// Appends an object and what is below it. `names` are those of the objects that hold it.
@@ -161,7 +156,7 @@ impl<'m> Assembly<'m> {
             let (below, object) = self.find(key.0, component, Rule::COMPONENT)?;
             let mut transform = component.transform;
             if below.0 != key.0 {
-                transform *= DAffine3::from_scale(glam::DVec3::splat(self.scale(below.0)));
+                transform *= self.scale(below.0);
             }
             self.push(work, below, object, root_from_object * transform, &names)?;
         }
@@ -178,7 +173,7 @@ struct Work {
 impl Work {
     fn push_mesh(
         &mut self,
-        mesh: &fibar_core::artefact::mesh::TriangleMesh,
+        mesh: &TriangleMesh,
         object: &Object,
         root_from_mesh: DAffine3,
         names: &[&str],

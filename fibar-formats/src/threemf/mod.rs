@@ -89,6 +89,3 @@ fn paths(model: &Model) -> impl Iterator<Item = String> {
     });
     components.chain(&model.items).filter_map(|reference| reference.path.clone())
 }
-
-#[cfg(test)]
-mod tests;

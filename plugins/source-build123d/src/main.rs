@@ -8,9 +8,9 @@ mod group;
 mod kernel;
 mod manifest;
 mod params;
-mod parts;
 mod solid;
 
+use fibar_core::artefact::Document;
 use fibar_plugin::{Description, Job, Stage, StageError, serve};
 use kernel::Kernel;
 use manifest::Shape;

@@ -4,8 +4,8 @@
 //! What stays open is told and passed on: closing it, or refusing it, is `repair-manifold`'s work.
 
 use crate::Shape;
-use crate::parts::{Part, Parts};
 use fibar_core::artefact::mesh::TriangleMesh;
+use fibar_core::artefact::parts::{Part, Parts};
 use fibar_plugin::{Job, StageError};
 use glam::DVec3;
 use std::collections::HashMap;
@@ -16,7 +16,7 @@ pub fn join(shape: Shape, job: &mut Job) -> Result<(TriangleMesh, Parts), StageE
     for solid in shape.solids {
         let name = name(&solid.label, parts.len());
         let mut mesh = weld(&solid.mesh);
-        let signed_volume = volume_mm3(&mesh);
+        let signed_volume = mesh.volume_of(0..mesh.triangles.len());
         if signed_volume < 0.0 {
             job.log("warn", &format!("{name} is inside out; turned round"));
             mesh.triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
@@ -27,12 +27,12 @@ pub fn join(shape: Shape, job: &mut Job) -> Result<(TriangleMesh, Parts), StageE
             first_triangle: whole.triangles.len(),
             triangles: mesh.triangles.len(),
             volume_mm3: signed_volume.abs(),
-            open_edges: count_open_edges(&mesh, &name, job),
+            open_edges: Some(count_open_edges(&mesh, &name, job)),
         });
         append(&mut whole, mesh)?;
     }
     job.metric("source.solids", parts.len() as f64, "1");
-    job.metric("source.open_edges", parts.iter().map(|part| part.open_edges as f64).sum(), "1");
+    job.metric("source.open_edges", parts.iter().map(|part| part.open_edges.unwrap_or(0) as f64).sum(), "1");
     Ok((whole, Parts::new(parts)))
 }
 
@@ -76,15 +76,6 @@ fn weld(mesh: &TriangleMesh) -> TriangleMesh {
     welded
 }
 
-/// Signed volume by the divergence theorem, mm³: Σ a · (b × c) / 6 over the triangles.
-fn volume_mm3(mesh: &TriangleMesh) -> f64 {
-    let of = |k: usize| {
-        let [a, b, c] = mesh.corners(k);
-        a.dot(b.cross(c)) / 6.0
-    };
-    (0..mesh.triangles.len()).map(of).sum()
-}
-
 /// Directed edges whose opposite does not occur exactly as often, or that occur more than once; sorted.
 fn open_edges(mesh: &TriangleMesh) -> Vec<(u32, u32)> {
     let mut edges: Vec<(u32, u32)> =
@@ -126,7 +117,7 @@ mod tests {
     fn loose_faces_become_a_watertight_solid() {
         let cube = weld(&loose_cube());
         assert_eq!((cube.vertices.len(), cube.triangles.len()), (8, 12));
-        assert_eq!(volume_mm3(&cube), 8.0);
+        assert_eq!(cube.volume_of(0..12), 8.0);
         assert_eq!(open_edges(&cube), []);
     }
 
