@@ -126,7 +126,8 @@ impl Work<'_> {
         let [r, g, b, a] = self.source.document.materials.0.get(material)?.surface.as_ref()?.base_colour?;
         let encode = |x: f64| {
             let x = x.clamp(0.0, 1.0);
-            if x <= 0.003_130_8 { 12.92 * x } else { 1.055 * libm::pow(x, 1.0 / 2.4) - 0.055 }
+            let encoded = if x <= 0.003_130_8 { 12.92 * x } else { 1.055 * libm::pow(x, 1.0 / 2.4) - 0.055 };
+            (encoded * 1e6).round() / 1e6
         };
         Some([encode(r), encode(g), encode(b), a.clamp(0.0, 1.0)])
     }
