@@ -2,9 +2,11 @@
 //!
 //! `Σ_{p<q} Σ_{i,j} share(p,i) share(q,j) β^d(i,j)` over all pairs of markers of one code, where `i` and `j` are rings of neighbours
 //! of `p` and of `q`, and `d` is the least Levenshtein distance over all rotations between the codes in them: markers
-//! that look alike at some roll, also when some of their neighbours are missing, should not blink alike.
+//! that look alike at some roll, also when some of their neighbours are missing, should not blink alike. With light, what each marker
+//! falls short of the goal counts too.
 
 use crate::annealing::Cooling;
+use crate::light::Light;
 use crate::rings::Rings;
 use fibar_core::levenshtein::Needle;
 use rand::RngExt;
@@ -20,6 +22,9 @@ const HEAT: (f64, f64) = (0.1, 0.001);
 /// The number of the m-sequence.
 pub const M_SEQUENCE: u8 = 1;
 
+/// A marker in the dark costs so much; two markers that look the same cost 1.
+const DARK: f64 = 5.0;
+
 /// Codes by marker, and how much they confuse.
 #[derive(Clone)]
 pub struct Codes<'a> {
@@ -28,6 +33,8 @@ pub struct Codes<'a> {
     /// The code of each marker, from 1.
     pub genes: Vec<u8>,
     counts: Vec<usize>,
+    /// What each marker could get, and how much that weighs.
+    light: Option<(&'a Light, f64)>,
     read: Vec<Vec<Needle>>,
     /// For every two markers, how alike they are if they blink alike; 0 if not. Only `p < q` is used.
     alike: Vec<f64>,
@@ -35,12 +42,19 @@ pub struct Codes<'a> {
 
 impl<'a> Codes<'a> {
     /// Codes to begin with; `patterns` of them exist.
-    pub fn new(rings: &'a Rings, seen_from: &'a [Vec<usize>], genes: Vec<u8>, patterns: u8) -> Codes<'a> {
+    pub fn new(
+        rings: &'a Rings,
+        seen_from: &'a [Vec<usize>],
+        genes: Vec<u8>,
+        patterns: u8,
+        light: Option<(&'a Light, f64)>,
+    ) -> Codes<'a> {
         let markers = rings.len();
         let mut counts = vec![0; usize::from(patterns) + 1];
         genes.iter().for_each(|&g| counts[usize::from(g)] += 1);
         let alike = vec![0.0; markers * markers];
-        let mut codes = Codes { rings, seen_from, genes, counts, read: vec![Vec::new(); markers], alike };
+        let read = vec![Vec::new(); markers];
+        let mut codes = Codes { rings, seen_from, genes, counts, light, read, alike };
         codes.refresh(&(0..markers).collect::<Vec<_>>());
         codes
     }
@@ -50,7 +64,16 @@ impl<'a> Codes<'a> {
         let markers = self.genes.len();
         let mean = markers as f64 / (self.counts.len() - 1) as f64;
         let crowd = |&count: &usize| (count as f64 - mean).max(0.0) * (count as f64 - mean).max(0.0);
-        self.confusion() + CROWDED * self.counts[1..].iter().map(crowd).sum::<f64>()
+        let dark = self.light.map_or(0.0, |(light, weight)| weight * DARK * self.shortage(light));
+        self.confusion() + CROWDED * self.counts[1..].iter().map(crowd).sum::<f64>() + dark
+    }
+
+    /// What all markers together fall short of the goal.
+    fn shortage(&self, light: &Light) -> f64 {
+        let short = |(marker, &code): (usize, &u8)| {
+            light.shortage(marker, code, self.counts[usize::from(code)] as f64)
+        };
+        self.genes.iter().enumerate().map(short).sum()
     }
 
     /// The sum over all pairs of markers of one code.
@@ -183,7 +206,7 @@ mod tests {
         let seen_from = rings.seen_from();
         let mut m_sequence = vec![false; rings.len()];
         m_sequence[..6].fill(true);
-        let first = Codes::new(&rings, &seen_from, in_turn(&m_sequence, 4), 4);
+        let first = Codes::new(&rings, &seen_from, in_turn(&m_sequence, 4), 4, None);
         let check = |codes: &Codes| {
             let expected = confusion_by_definition(&rings, &codes.genes);
             assert!((codes.confusion() - expected).abs() < 1e-9, "{} ≠ {expected}", codes.confusion());
@@ -202,7 +225,7 @@ mod tests {
         let images = Images::new(&sites(2));
         let rings = Rings::collect(&images, 0.3, 1);
         let seen_from = rings.seen_from();
-        let codes = Codes::new(&rings, &seen_from, in_turn(&vec![false; rings.len()], 1), 1);
+        let codes = Codes::new(&rings, &seen_from, in_turn(&vec![false; rings.len()], 1), 1, None);
         assert_eq!(codes.anneal(50, ChaCha8Rng::seed_from_u64(4)).genes, vec![M_SEQUENCE; rings.len()]);
     }
 }

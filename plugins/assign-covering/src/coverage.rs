@@ -1,5 +1,7 @@
 //! What every camera sees of a choice of markers, and what is wrong with that, kept up to date as markers come and go.
 //!
+//! With light, everything counts twice: for all markers, and for those bright enough to be seen from afar.
+//!
 //! All sums are of whole numbers or of multiples of 2⁻⁶ mm, so that the cost does not depend on the way a choice was reached.
 
 use crate::sightlines::Sightlines;
@@ -26,6 +28,10 @@ struct Prices {
 
 /// A direction of the watch without an m-sequence marker, beside which all other costs are small.
 const BLIND: f64 = 10.0;
+/// All markers in the dark.
+const DARK: f64 = 0.2;
+/// A marker is bright up to this shortage: 3 % short of the goal.
+const BRIGHT: f64 = 0.001;
 /// A further m-sequence marker beyond the LED's fair share of all markers.
 const CROWDED: f64 = 0.0004;
 
@@ -36,9 +42,14 @@ pub struct Coverage<'a> {
     prices: std::sync::Arc<Prices>,
     /// Sites relative to the middle, in multiples of 2⁻⁶ mm.
     spots: std::sync::Arc<Vec<DVec3>>,
+    light: Option<std::sync::Arc<SiteLight>>,
     carried: Vec<Option<Blink>>,
-    survey: Vec<Tally>,
+    /// By camera, for all markers and for bright ones.
+    survey: Vec<[Tally; 2]>,
     survey_cost: i64,
+    /// Sum of shortages, in millionths.
+    shortage: i64,
+    markers: usize,
     watch: Vec<u32>,
     blind: usize,
     m_sequences: usize,
@@ -53,6 +64,14 @@ pub enum Blink {
     MSequence,
     /// Any other code.
     Companion,
+}
+
+/// How well each site can be lit, by what it blinks; and how much that weighs.
+pub struct SiteLight {
+    /// Shortages with the m-sequence and with the best other code.
+    pub shortage: Vec<[f64; 2]>,
+    /// Beside recognition.
+    pub weight: f64,
 }
 
 /// What one camera sees.
@@ -74,6 +93,7 @@ impl<'a> Coverage<'a> {
         sites: &Sites,
         missing_share: f64,
         fair_share: usize,
+        light: Option<SiteLight>,
     ) -> Coverage<'a> {
         let spot = |p: DVec3| ((p - sites.centre) * 64.0).round() / 64.0;
         let prices = Prices::new(missing_share);
@@ -82,8 +102,11 @@ impl<'a> Coverage<'a> {
             lines,
             spots: sites.sites.iter().map(|s| spot(s.position)).collect::<Vec<_>>().into(),
             carried: vec![None; sites.sites.len()],
-            survey_cost: nothing.cost * lines.survey as i64,
-            survey: vec![nothing; lines.survey],
+            survey_cost: nothing.cost * lines.survey as i64 * if light.is_some() { 2 } else { 1 },
+            survey: vec![[nothing; 2]; lines.survey],
+            shortage: 0,
+            markers: 0,
+            light: light.map(std::sync::Arc::new),
             watch: vec![0; lines.watch.len()],
             blind: lines.watch.len(),
             m_sequences: 0,
@@ -110,37 +133,70 @@ impl<'a> Coverage<'a> {
     /// How bad the choice is; 1 is about one camera in a thousand without use.
     pub fn cost(&self) -> f64 {
         let share = |sum: f64, of: usize| sum / of.max(1) as f64;
+        let dark = self.light.as_ref().map_or(0.0, |l| l.weight * DARK * self.mean_shortage());
         1e3 * (share(self.survey_cost as f64 * 1e-6, self.lines.survey)
             + BLIND * share(self.blind as f64, self.lines.watch.len())
-            + CROWDED * self.m_sequences.saturating_sub(self.fair_share) as f64)
+            + CROWDED * self.m_sequences.saturating_sub(self.fair_share) as f64
+            + dark)
+    }
+
+    /// Mean shortage of the markers, each with its best code; 0 without light.
+    pub fn mean_shortage(&self) -> f64 {
+        self.shortage as f64 * 1e-6 / self.markers.max(1) as f64
     }
 
     /// Changes what a site carries.
     pub fn carry(&mut self, site: usize, blink: Option<Blink>) {
         let before = std::mem::replace(&mut self.carried[site], blink);
-        let spot = self.spots[site];
-        let change =
-            |blink: Option<Blink>| (f64::from(blink.is_some()), usize::from(blink == Some(Blink::MSequence)));
-        let ((had, had_m), (has, has_m)) = (change(before), change(blink));
+        let (had, has) = (self.share_of(site, before), self.share_of(site, blink));
+        self.shortage += has.shortage - had.shortage;
+        self.markers = self.markers + has.shown[0] - had.shown[0];
+        let tiers = if self.light.is_some() { 2 } else { 1 };
         for &camera in &self.lines.surveyed_by[site] {
-            let tally = &mut self.survey[camera as usize];
-            self.survey_cost -= tally.cost;
-            tally.shift(spot, has - had);
-            tally.m_sequences = tally.m_sequences + has_m - had_m;
-            tally.cost = self.prices.of(tally);
-            self.survey_cost += tally.cost;
+            for (tier, tally) in self.survey[camera as usize][..tiers].iter_mut().enumerate() {
+                self.survey_cost -= tally.cost;
+                tally.shift(self.spots[site], has.shown[tier] as f64 - had.shown[tier] as f64);
+                tally.m_sequences = tally.m_sequences + has.blinks_m[tier] - had.blinks_m[tier];
+                tally.cost = self.prices.of(tally);
+                self.survey_cost += tally.cost;
+            }
         }
-        if had_m == has_m {
-            return;
+        if had.blinks_m[0] != has.blinks_m[0] {
+            self.watch_over(site, has.blinks_m[0] == 1);
         }
-        self.m_sequences = self.m_sequences + has_m - had_m;
+    }
+
+    /// Counts an m-sequence marker that comes or goes for the directions that watch its site.
+    fn watch_over(&mut self, site: usize, comes: bool) {
+        self.m_sequences = if comes { self.m_sequences + 1 } else { self.m_sequences - 1 };
         for &direction in &self.lines.watched_by[site] {
             let watched = &mut self.watch[direction as usize];
             self.blind -= usize::from(*watched == 0);
-            *watched = *watched + has_m as u32 - had_m as u32;
+            *watched = if comes { *watched + 1 } else { *watched - 1 };
             self.blind += usize::from(*watched == 0);
         }
     }
+
+    /// What a site adds to the tallies when it carries something.
+    fn share_of(&self, site: usize, blink: Option<Blink>) -> Share {
+        let Some(blink) = blink else { return Share::default() };
+        let m_sequence = blink == Blink::MSequence;
+        let shortage = self.light.as_ref().map_or(0.0, |l| l.shortage[site][usize::from(!m_sequence)]);
+        let shown = [1, usize::from(shortage <= BRIGHT)];
+        Share {
+            shown,
+            blinks_m: if m_sequence { shown } else { [0, 0] },
+            shortage: (shortage * 1e6).round() as i64,
+        }
+    }
+}
+
+/// What a marker adds to the tallies, among all markers and among bright ones.
+#[derive(Default)]
+struct Share {
+    shown: [usize; 2],
+    blinks_m: [usize; 2],
+    shortage: i64,
 }
 
 impl Tally {
@@ -213,12 +269,14 @@ mod tests {
         let (sites, params) = (sites(4), params(|_| ()));
         let lines = Sightlines::cast(&ball(), &sites, &params);
         let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(5);
-        let mut walked = Coverage::blank(&lines, &sites, 0.3, 5);
+        let dim = |k: usize| [(k % 3) as f64 * 0.4, (k % 5) as f64 * 0.2];
+        let light = || SiteLight { shortage: (0..sites.sites.len()).map(dim).collect(), weight: 1.0 };
+        let mut walked = Coverage::blank(&lines, &sites, 0.3, 5, Some(light()));
         let blinks = [None, Some(Blink::Companion), Some(Blink::MSequence)];
         for _ in 0..2000 {
             walked.carry(rng.random_range(0..sites.sites.len()), blinks[rng.random_range(0..3)]);
         }
-        let mut straight = Coverage::blank(&lines, &sites, 0.3, 5);
+        let mut straight = Coverage::blank(&lines, &sites, 0.3, 5, Some(light()));
         (0..sites.sites.len()).for_each(|k| straight.carry(k, walked.carried(k)));
         assert_eq!(straight.cost(), walked.cost());
         assert_eq!(straight.blind_directions(), walked.blind_directions());

@@ -1,13 +1,14 @@
 //! `assign-covering`: which site becomes a marker, and which code it blinks, so that every camera can name what it sees.
 //!
 //! Along the data: rays tell which camera sees which site (`sightlines`); markers and m-sequences are chosen so that every camera sees
-//! enough of both (`coverage`, `places`); then, with the places fixed, codes are chosen so that markers of one code do not look alike
+//! enough of both, bright enough where it is known what light can come (`light`, `coverage`, `places`); then, with the places fixed, codes are chosen so that markers of one code do not look alike
 //! at any roll, also when some are missing (`rings`, `codes`); what the paper's lookup needs is written down (`table`). The paper's
 //! way is `assign-genetic`, with the same ports.
 
 mod sightlines;
 
 mod coverage;
+mod light;
 mod places;
 
 mod codes;
@@ -20,8 +21,9 @@ mod params;
 
 use annealing::best_of_starts;
 use codes::{Codes, M_SEQUENCE};
-use coverage::Coverage;
+use coverage::{Coverage, SiteLight};
 use fibar_core::artefact::Document;
+use fibar_core::artefact::bounds::Bounds;
 use fibar_core::artefact::constellation::{Constellation, Marker, Pattern};
 use fibar_core::artefact::mesh::TriangleMesh;
 use fibar_core::artefact::sites::Sites;
@@ -30,6 +32,7 @@ use fibar_core::code_set::codes_for;
 use fibar_core::images::Images;
 use fibar_core::{MarkerId, PatternId};
 use fibar_plugin::{Description, Job, Stage, StageError, serve};
+use light::Light;
 use params::Params;
 use places::{Choice, Crowd};
 use rings::{Rings, sites_of};
@@ -52,6 +55,11 @@ impl Stage for AssignCovering {
         .input("body", "body", "What hides markers.")
         .input("sites", "sites", "Candidate places; their views make the lookup table.")
         .input("sockets", "sockets", "The LEDs: one code each.")
+        .optional_input(
+            "bounds",
+            "bounds",
+            "What light each LED could bring to each site: then that weighs too.",
+        )
         .published(
             "constellation",
             "constellation",
@@ -64,15 +72,20 @@ impl Stage for AssignCovering {
     fn run(params: Params, job: &mut Job) -> Result<(), StageError> {
         let body = TriangleMesh::from_ply(&job.read("body")?)?;
         let sites = seen_sites(&Sites::from_json(&job.read("sites")?)?)?;
-        let patterns = codes_for(&Sockets::from_json(&job.read("sockets")?)?, params.code_plan())?;
+        let sockets = Sockets::from_json(&job.read("sockets")?)?;
+        let patterns = codes_for(&sockets, params.code_plan())?;
+        let bounds = job.read_optional("bounds")?.map(|bytes| Bounds::from_json(&bytes)).transpose()?;
+        let light = bounds.map(|b| Light::new(&b, &sockets, &sites, params.reach_mm)).transpose()?;
+        let task =
+            Task { sites: &sites, light: light.as_ref(), codes: patterns.len() as u8, params: &params };
         let seed = job.seed();
         job.progress(0.02, "sightlines")?;
         let lines = Sightlines::cast(&body, &sites, &params);
         job.progress(0.1, "places")?;
         let crowd = Crowd::new(&sites, params.spacing_mm);
-        let choice = choose_places(&lines, &crowd, &sites, patterns.len(), &params, seed)?;
+        let choice = task.choose_places(&lines, &crowd, seed)?;
         job.progress(0.6, "codes")?;
-        let chosen = Chosen::new(&choice, &sites, patterns.len() as u8, &params, seed);
+        let chosen = Chosen::new(&choice, &task, seed);
         report(&choice, &chosen, sites.sites.len(), job);
         let constellation = chosen.into_constellation(patterns, &params);
         job.write("constellation", "constellation.json", &constellation.to_json())
@@ -97,25 +110,46 @@ fn seen_sites(sites: &Sites) -> Result<Sites, StageError> {
     Err(StageError::input(message).hint(hint).place_mm(sites.centre.to_array()))
 }
 
-/// The best places of all starts, with an m-sequence in sight from everywhere.
-fn choose_places<'a>(
-    lines: &'a Sightlines,
-    crowd: &'a Crowd,
-    sites: &Sites,
-    patterns: usize,
-    params: &Params,
-    seed: u64,
-) -> Result<Choice<'a>, StageError> {
-    let room = sites.sites.len();
-    let wanted = params.markers.map_or(room, |m| m as usize);
-    let fair_share = params.markers.map_or(room, |m| m as usize).min(room).div_ceil(patterns);
-    let blank = Coverage::blank(lines, sites, params.missing_share, fair_share);
-    let first = Choice::greedy(blank, crowd, wanted);
-    check_count(first.markers.len(), room, params)?;
-    let anneal = |rng| first.clone().anneal(params.place_moves, rng);
-    let best = best_of_starts(params.starts, seed, anneal, |c| c.coverage.cost()).unwrap_or(first);
-    check_blind(&best.coverage, lines, sites, params)?;
-    Ok(best)
+/// What is to be done.
+struct Task<'a> {
+    sites: &'a Sites,
+    light: Option<&'a Light>,
+    codes: u8,
+    params: &'a Params,
+}
+
+impl Task<'_> {
+    /// The best places of all starts, with an m-sequence in sight from everywhere.
+    fn choose_places<'a>(
+        &self,
+        lines: &'a Sightlines,
+        crowd: &'a Crowd,
+        seed: u64,
+    ) -> Result<Choice<'a>, StageError> {
+        let Task { sites, params, .. } = *self;
+        let room = sites.sites.len();
+        let wanted = params.markers.map_or(room, |m| m as usize);
+        let fair_share = wanted.min(room).div_ceil(usize::from(self.codes));
+        let light = self.site_light(fair_share as f64);
+        let blank = Coverage::blank(lines, sites, params.missing_share, fair_share, light);
+        let first = Choice::greedy(blank, crowd, wanted);
+        check_count(first.markers.len(), room, params)?;
+        let anneal = |rng| first.clone().anneal(params.place_moves, rng);
+        let best = best_of_starts(params.starts, seed, anneal, |c| c.coverage.cost()).unwrap_or(first);
+        check_blind(&best.coverage, lines, sites, params)?;
+        Ok(best)
+    }
+
+    /// What each site falls short of, with as many markers on each LED as is fair.
+    fn site_light(&self, crowd: f64) -> Option<SiteLight> {
+        let light = self.light.filter(|_| self.params.light_weight > 0.0)?;
+        let others =
+            if self.codes > M_SEQUENCE { M_SEQUENCE + 1..=self.codes } else { M_SEQUENCE..=M_SEQUENCE };
+        let shortage =
+            |k| [light.shortage(k, M_SEQUENCE, crowd), light.least_shortage(k, others.clone(), crowd)];
+        let shortage = (0..self.sites.sites.len()).map(shortage).collect();
+        Some(SiteLight { shortage, weight: self.params.light_weight })
+    }
 }
 
 fn check_count(found: usize, room: usize, params: &Params) -> Result<(), StageError> {
@@ -165,15 +199,19 @@ struct Chosen {
 
 impl Chosen {
     /// The best codes of all starts for the markers that were chosen.
-    fn new(choice: &Choice, sites: &Sites, patterns: u8, params: &Params, seed: u64) -> Chosen {
+    fn new(choice: &Choice, task: &Task, seed: u64) -> Chosen {
+        let Task { params, codes: patterns, .. } = *task;
         let mut markers = choice.markers.clone();
         markers.sort_unstable();
         let m_sequence: Vec<bool> = markers.iter().map(|&k| choice.coverage.blinks_m_sequence(k)).collect();
-        let sites = sites_of(sites, &markers);
+        let sites = sites_of(task.sites, &markers);
+        let light = task.light.map(|light| light.of(&markers));
         let images = Images::new(&sites);
         let rings = Rings::collect(&images, params.missing_share, seed);
         let seen_from = rings.seen_from();
-        let first = Codes::new(&rings, &seen_from, codes::in_turn(&m_sequence, patterns), patterns);
+        let genes = codes::in_turn(&m_sequence, patterns);
+        let light = light.as_ref().map(|light| (light, params.light_weight));
+        let first = Codes::new(&rings, &seen_from, genes, patterns, light);
         let anneal = |rng| first.clone().anneal(params.code_moves, rng);
         let best = best_of_starts(params.starts, seed, anneal, Codes::cost).unwrap_or(first.clone());
         let (genes, confusion) = (best.genes.clone(), best.confusion());
@@ -200,6 +238,7 @@ fn report(choice: &Choice, chosen: &Chosen, candidates: usize, job: &mut Job) {
     job.metric("place.markers", markers as f64, "1");
     job.metric("assign.dropped", (candidates - markers) as f64, "1");
     job.metric("assign.coverage_cost", choice.coverage.cost(), "1");
+    job.metric("assign.shortage", choice.coverage.mean_shortage(), "1");
     job.metric("assign.confusion", chosen.confusion, "1");
     job.metric("assign.m_sequences", m_sequences as f64, "1");
     job.metric("assign.blind_directions", choice.coverage.blind_directions().len() as f64, "1");

@@ -36,6 +36,12 @@ pub struct Params {
     /// Share of the markers that a camera may miss without losing their names.
     #[schemars(range(min = 0.0, max = 0.9), extend("unit" = "1"))]
     pub missing_share: f64,
+    /// With `bounds`: from how far away every marker should be seen, once its LED's light is shared.
+    #[schemars(range(min = 1.0, max = 100_000.0), extend("unit" = "mm"))]
+    pub reach_mm: f64,
+    /// With `bounds`: how much light weighs beside recognition; 0 leaves it out.
+    #[schemars(range(min = 0.0, max = 1000.0))]
+    pub light_weight: f64,
     /// Share of the directions that may be left without an m-sequence marker in sight; more is an error.
     #[schemars(range(min = 0.0, max = 1.0), extend("unit" = "1"))]
     pub max_blind_share: f64,
@@ -78,6 +84,8 @@ impl Default for Params {
             survey_frequency: 6,
             watch_frequency: 12,
             missing_share: 0.3,
+            reach_mm: 1100.0,
+            light_weight: 1.0,
             max_blind_share: 0.0,
             place_moves: 40_000,
             code_moves: 4_000,

@@ -48,10 +48,11 @@ fn run(sites: &Sites, params: &Params) -> Result<Constellation, StageError> {
     let sites = seen_sites(sites)?;
     let lines = Sightlines::cast(&ball(), &sites, params);
     let crowd = Crowd::new(&sites, params.spacing_mm);
-    let choice = choose_places(&lines, &crowd, &sites, 7, params, 1)?;
+    let task = Task { sites: &sites, light: None, codes: 7, params };
+    let choice = task.choose_places(&lines, &crowd, 1)?;
     let codes = fibar_core::code::design_codes(4, 3, 6).unwrap();
     let patterns = codes.into_iter().map(|c| Pattern { id: c.pattern, bits: c.bits }).collect();
-    Ok(Chosen::new(&choice, &sites, 7, params, 1).into_constellation(patterns, params))
+    Ok(Chosen::new(&choice, &task, 1).into_constellation(patterns, params))
 }
 
 /// How many markers that `counts` names a camera sees of a convex body.
