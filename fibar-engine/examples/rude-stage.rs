@@ -22,7 +22,10 @@ fn description() -> Value {
     let text = |default: &str| json!({"type": "string", "default": default});
     json!({
         "type": "description", "name": "rude-stage", "summary": "Misbehaves.",
-        "params": {"type": "object", "properties": {"how": text("well"), "target": text(""), "port": {"type": "integer", "default": 0}}},
+        "params": {"type": "object", "properties": {
+            "how": text("well"), "target": text(""), "port": {"type": "integer", "default": 0},
+            "file": {"type": ["string", "null"], "format": "fibar-file", "default": null},
+        }},
         "inputs": [{"name": "text", "type": "text", "arity": "optional"}],
         "outputs": [{"name": "out", "type": "rude", "publish": "out.txt"}],
     })
@@ -83,6 +86,7 @@ fn run(params: &Value) {
             std::io::stdout().flush().expect("it can be written");
             std::process::exit(0);
         }
+        "blame a file" => blame(params["file"].as_str().unwrap_or_default()),
         "look" => behave(look(target)),
         "write" => behave(format!("{:?}", std::fs::write(target, "rude").is_ok())),
         "call" => behave(call(params["port"].as_u64().unwrap_or_default() as u16)),
@@ -113,6 +117,13 @@ fn flood() {
 fn flood_a_line() {
     let block = [b'x'; 65536];
     while std::io::stdout().write_all(&block).is_ok() {}
+}
+
+/// Says where the fault is, in the words of the stage's own world.
+fn blame(file: &str) {
+    let whole = std::path::absolute(file).expect("there is a working folder");
+    let message = format!("{file}:3: odd, see {}", whole.display());
+    say(json!({"type": "error", "kind": "input", "message": message, "param": "/file"}));
 }
 
 /// Whether a path can be seen.

@@ -43,48 +43,35 @@ pub enum Verdict {
 
 /// Asks a plugin everything that can be asked with the samples; `tell` hears of what takes a while.
 pub fn check(executable: &Path, samples: &Samples, store: &Store, tell: &dyn Fn(&str)) -> Result<Vec<Check>> {
-    let mut checks = Vec::new();
-    let mut note = |name: &'static str, verdict: Verdict| checks.push(Check { name, verdict });
     let name = executable.file_stem().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
-    let described = crate::host::describe(executable, store, &Limits::default())
-        .and_then(|description| crate::plugin::check_description(&name, &description).map(|()| description));
-    let description = match described {
+    let describe = || crate::host::describe(executable, store, &Limits::default());
+    let checked = |description| crate::plugin::check_description(&name, &description).map(|()| description);
+    let mut checks = Checks::default();
+    let description = match describe().and_then(checked) {
         Ok(description) => description,
         Err(error) => {
-            note("describes itself", broken(error.findings.first()));
-            return Ok(checks);
+            checks.note("describes itself", broken(error.findings.first()));
+            return Ok(checks.0);
         }
     };
-    note("describes itself", Verdict::Kept);
-    let again = crate::host::describe(executable, store, &Limits::default());
-    note(
-        "says the same when asked again",
-        kept_if(again.is_ok_and(|d| d == description), "it says something else"),
-    );
-    note("gives its parameters defaults", gives_defaults(&description));
+    checks.note("describes itself", Verdict::Kept);
+    let again = describe().is_ok_and(|again| again == description);
+    checks.note("says the same when asked again", kept_if(again, "it says something else"));
+    checks.note("gives its parameters defaults", gives_defaults(&description));
     let plugin = Plugin::load(&name, executable, store)?;
     let environment = ensure_environment(&plugin, store, tell)?;
     let environment = environment.as_ref();
-    let bench = Bench { executable, description: &description, samples, store, environment };
-    note("refuses another protocol version", bench.refuses_other_version());
-    note("refuses unknown parameters", bench.unknown_parameter());
-    note("refuses missing inputs", bench.missing_input());
-    match bench.lacks() {
-        Some(reason) => {
-            for name in ["runs with its defaults", "gives the same bytes again", "stops when asked"] {
-                note(name, Verdict::Skipped(reason.clone()));
-            }
-        }
-        None => {
-            let first = bench.run(1)?;
-            note("runs with its defaults", outcome(&first.report));
-            if matches!(first.report.end, End::Done(_)) {
-                note("gives the same bytes again", bench.repeats(&first)?);
-            }
-            note("stops when asked", bench.stops()?);
-        }
+    Bench { executable, description: &description, samples, store, environment }.check(&mut checks)?;
+    Ok(checks.0)
+}
+
+#[derive(Default)]
+struct Checks(Vec<Check>);
+
+impl Checks {
+    fn note(&mut self, name: &'static str, verdict: Verdict) {
+        self.0.push(Check { name, verdict });
     }
-    Ok(checks)
 }
 
 fn broken(finding: Option<&Diagnostic>) -> Verdict {
@@ -107,6 +94,26 @@ fn kept_if(kept: bool, otherwise: &str) -> Verdict {
 }
 
 impl Bench<'_> {
+    /// Everything that takes a session or a run.
+    fn check(&self, checks: &mut Checks) -> Result<()> {
+        checks.note("refuses another protocol version", self.refuses_other_version());
+        checks.note("refuses unknown parameters", self.unknown_parameter());
+        checks.note("refuses missing inputs", self.missing_input());
+        if let Some(reason) = self.lacks() {
+            for name in ["runs with its defaults", "gives the same bytes again", "stops when asked"] {
+                checks.note(name, Verdict::Skipped(reason.clone()));
+            }
+            return Ok(());
+        }
+        let first = self.run(1)?;
+        checks.note("runs with its defaults", outcome(&first.report));
+        if matches!(first.report.end, End::Done(_)) {
+            checks.note("gives the same bytes again", self.repeats(&first)?);
+        }
+        checks.note("stops when asked", self.stops()?);
+        Ok(())
+    }
+
     /// Why the stage cannot be run at all.
     fn lacks(&self) -> Option<String> {
         let lacks = |port: &&fibar_core::protocol::InputPort| {

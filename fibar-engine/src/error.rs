@@ -63,6 +63,17 @@ impl Error {
     }
 }
 
+/// Each finding once: variants of a recipe repeat each other's mistakes.
+pub(crate) fn distinct(findings: Vec<Diagnostic>) -> Vec<Diagnostic> {
+    let mut kept: Vec<Diagnostic> = Vec::new();
+    for finding in findings {
+        if !kept.contains(&finding) {
+            kept.push(finding);
+        }
+    }
+    kept
+}
+
 /// Attaches what was being done, and to which path, to an I/O result.
 pub(crate) trait IoContext<T> {
     /// `cannot {doing} {path}: …`

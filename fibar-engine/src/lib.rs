@@ -6,7 +6,8 @@
 //! runs what is missing through the [`host`]; [`ledger`] copies the results to the build folder and says what came out.
 //!
 //! Deliberately absent: any knowledge of meshes or light (artefacts are bytes with a type name), and any trust in
-//! plugins (the host hashes and checks everything they hand over). Times are only ever written to `timings.json`.
+//! plugins (the host hashes and checks everything they hand over). Times are only ever written to `timings.json` and `trace.json`,
+//! and beside the results of an action, for estimates.
 //! Unsafe code lives in [`os`] alone.
 
 pub mod build;

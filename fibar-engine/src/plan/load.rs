@@ -2,6 +2,7 @@
 
 use super::wire::{Wire, WireSource, Wiring, order};
 use super::{FileInput, Plan, PlanOptions, PlanSource, PlannedStage, schema};
+use crate::error::distinct;
 use crate::plugin::{Plugin, PluginPath};
 use crate::recipe::{Node, Recipe, RecipeStage, Source};
 use crate::{Class, Digest, Error, Result, Store};
@@ -228,14 +229,7 @@ impl Checks<'_> {
         if self.findings.is_empty() {
             return Ok(());
         }
-        // Variants repeat each other's mistakes.
-        let mut kept: Vec<Diagnostic> = Vec::new();
-        for finding in std::mem::take(&mut self.findings) {
-            if !kept.contains(&finding) {
-                kept.push(finding);
-            }
-        }
-        self.findings = kept;
+        self.findings = distinct(std::mem::take(&mut self.findings));
         let start = |f: &Diagnostic| {
             f.place.as_ref().map_or((String::new(), 0), |p| (p.source.name.clone(), p.range.start))
         };

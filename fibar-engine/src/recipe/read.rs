@@ -5,7 +5,7 @@ use super::{
     Entry, From, Node, NodeValue, Override, RECIPE_FORMAT, Reading, Recipe, RecipeStage, Source, include,
     matrix, overrides,
 };
-use crate::error::IoContext;
+use crate::error::{IoContext, distinct};
 use fibar_core::diagnostic::{Diagnostic, SourceText, did_you_mean};
 use fibar_core::protocol::MAX_SEED;
 use std::collections::BTreeSet;
@@ -54,17 +54,6 @@ pub(super) fn read(path: &Path, changes: &[Override], matrix: Matrix) -> crate::
     });
     let recipes = recipes.collect();
     Ok(Reading { recipes, findings: distinct(reader.findings) })
-}
-
-/// Variants repeat each other's mistakes.
-fn distinct(findings: Vec<Diagnostic>) -> Vec<Diagnostic> {
-    let mut kept: Vec<Diagnostic> = Vec::new();
-    for finding in findings {
-        if !kept.contains(&finding) {
-            kept.push(finding);
-        }
-    }
-    kept
 }
 
 struct Reader {

@@ -93,6 +93,8 @@ impl Store {
         heap.drop_unused();
         heap.drop_oldest_until(max_size);
         let pinned = heap.pinned_bytes();
+        self.stats.forget_missing();
+        self.stats.save();
         Ok(Collected { swept, pinned, left: heap.size, ..heap.done })
     }
 

@@ -65,6 +65,14 @@ impl StatCache {
         }
     }
 
+    /// Forgets files that are gone.
+    pub fn forget_missing(&self) {
+        let mut entries = self.entries.lock().unwrap_or_else(PoisonError::into_inner);
+        let before = entries.by_path.len();
+        entries.by_path.retain(|path, _| path.exists());
+        entries.learned |= entries.by_path.len() < before;
+    }
+
     /// Writes the cache back if it learned something. Failing to is no error.
     pub fn save(&self) {
         let mut entries = self.entries.lock().unwrap_or_else(PoisonError::into_inner);

@@ -2,6 +2,7 @@
 
 use crate::bench::{Bench, book};
 use fibar_engine::Class;
+use fibar_engine::host::Sandbox;
 
 /// A recipe that cannot be built: its class, and what the message must say.
 #[track_caller]
@@ -63,4 +64,18 @@ fn two_outputs_of_one_name_are_refused() {
     let bench = Bench::new();
     let error = bench.build(&recipe).expect_err("both publish upper.txt");
     assert!(error.render().contains("both publish upper.txt"), "{error}");
+}
+
+/// The stage knows a copy of the file; people know what they wrote.
+#[test]
+fn a_stage_names_a_file_as_the_recipe_does() {
+    for sandbox in [Sandbox::Off, Sandbox::Auto] {
+        let bench = Bench { sandbox, ..Bench::new() };
+        bench.write("notes.txt", "one\ntwo\n");
+        let recipe = "fibar = 1\n[object]\nname = 'a'\n[[stage]]\nuse = 'rude-stage'\n\
+                      how = 'blame a file'\nfile = './notes.txt'\n";
+        let error = bench.build(recipe).expect_err("it blames the file").render();
+        assert!(error.contains("stage `rude-stage`: ./notes.txt:3: odd, see ./notes.txt\n"), "{error}");
+        assert!(error.contains("recipe.toml:7:8"), "{error}");
+    }
 }

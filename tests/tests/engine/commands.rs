@@ -3,6 +3,9 @@
 use crate::demo::{Demo, STAGE_COUNT};
 use fibar_tests::Outcome;
 use serde_json::Value;
+use std::io::{BufRead, BufReader};
+use std::path::PathBuf;
+use std::process::{Command, Stdio};
 
 impl Demo {
     /// The program with the demo's plugins.
@@ -77,6 +80,36 @@ fn build_with_a_profile() {
     demo.shop.write("demo.toml", format!("include = [\"loud\"]\n{recipe}"));
     check(&demo, &["build", "demo.toml"], 0, &["9 of 9"]);
     assert!(demo.read("build/demo/text.txt").starts_with("LOUD0123"));
+}
+
+/// What Ctrl-C sends; the stage that runs would take minutes.
+#[test]
+#[cfg(target_os = "linux")]
+fn build_stopped() {
+    let demo = Demo::new();
+    let quick = demo.read("demo.toml");
+    demo.shop.write("demo.toml", quick.replacen("seconds = 0.03", "seconds = 300", 1));
+    for sandbox in ["auto", "off"] {
+        let words = ["build", "demo.toml", "--plugin-path", "plugins", "--sandbox", sandbox];
+        let mut build = demo.shop.program(&words).stderr(Stdio::piped()).spawn().unwrap();
+        let mut said = BufReader::new(build.stderr.take().unwrap()).lines().map(Result::unwrap);
+        assert!(said.any(|line| line.contains("pass-text: started")), "it never came to the long stage");
+        Outcome::of(Command::new("kill").args(["-INT", &build.id().to_string()])).expect(0);
+        let rest: Vec<String> = said.collect();
+        assert_eq!(build.wait().unwrap().code(), Some(130), "{rest:?}");
+        assert!(rest.iter().any(|line| line.contains("the same command goes on from there")), "{rest:?}");
+        assert_eq!(processes_of(&demo), [PathBuf::new(); 0], "a stage lives on");
+    }
+    demo.shop.write("demo.toml", quick);
+    check(&demo, &["build", "demo.toml"], 0, &["8 of 9 stages ran"]);
+}
+
+/// Processes that run in a folder of the workshop: stages, or those that keep them in their sandbox.
+#[cfg(target_os = "linux")]
+fn processes_of(demo: &Demo) -> Vec<PathBuf> {
+    let entries = std::fs::read_dir("/proc").unwrap().flatten();
+    let folders = entries.filter_map(|entry| std::fs::read_link(entry.path().join("cwd")).ok());
+    folders.filter(|folder| folder.starts_with(demo.shop.path())).collect()
 }
 
 #[test]
