@@ -51,7 +51,8 @@ fn binary(json: &Value, chunk: &[u8]) -> Vec<u8> {
     let numbers = |numbers: [u32; 2]| numbers.map(u32::to_le_bytes).concat();
     let total = 12 + 8 + text.len() + 8 + chunk.len();
     let header = [b"glTF".to_vec(), numbers([2, total as u32])].concat();
-    let chunks = [numbers([text.len() as u32, 0x4E4F_534A]), text, numbers([chunk.len() as u32, 0x004E_4942])];
+    let chunks =
+        [numbers([text.len() as u32, 0x4E4F_534A]), text, numbers([chunk.len() as u32, 0x004E_4942])];
     [header, chunks.concat(), chunk.to_vec()].concat()
 }
 
@@ -93,7 +94,8 @@ fn nodes_are_placed() {
     check(&[("/nodes/0/scale", json!([-1, 1, 1]))], 4, 1.0);
     check(&[("/nodes/0/rotation", json!([0.0, 0.6, 0.0, 0.8]))], 4, 1.0);
     check(&[("/nodes/0/matrix", json!([2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 2, 0, 1, 2, 3, 1]))], 4, 8.0);
-    let children = json!([{"children": [1, 2], "scale": [2, 2, 2]}, {"mesh": 0}, {"mesh": 0, "translation": [9, 0, 0]}]);
+    let children =
+        json!([{"children": [1, 2], "scale": [2, 2, 2]}, {"mesh": 0}, {"mesh": 0, "translation": [9, 0, 0]}]);
     check(&[("/nodes", children.clone())], 8, 16.0);
     check(&[("/nodes", children), ("/scene", Value::Null), ("/scenes", json!([]))], 8, 16.0);
 }
@@ -121,12 +123,18 @@ fn errors_say_what_and_where() {
         let text = format!("{error} try: {}", error.hint());
         says.iter().for_each(|part| assert!(text.contains(part), "{part:?} is not in {text:?}"));
     };
-    check(&[("/buffers/0/uri", json!("tower.bin"))], &["buffers[0]", "another file, `tower.bin`", "one .glb"]);
+    check(
+        &[("/buffers/0/uri", json!("tower.bin"))],
+        &["buffers[0]", "another file, `tower.bin`", "one .glb"],
+    );
     check(&[("/buffers/0/uri", json!("../../etc/passwd"))], &["another file"]);
     check(&[("/buffers/0/uri", json!("data:;base64,????"))], &["base64 is broken"]);
     check(&[("/buffers/0/byteLength", json!(73))], &["it has 72 bytes, not 73"]);
     check(&[("/asset/version", json!("1.0"))], &["it is glTF 1.0, not 2"]);
-    check(&[("/extensionsRequired", json!(["KHR_draco_mesh_compression"]))], &["KHR_draco", "without compression"]);
+    check(
+        &[("/extensionsRequired", json!(["KHR_draco_mesh_compression"]))],
+        &["KHR_draco", "without compression"],
+    );
     check(&[("/accessors/0/count", json!(5))], &["accessors[0]", "beyond its buffer"]);
     check(&[("/accessors/0/count", json!(u64::MAX))], &["accessors[0]", "exceed the limit"]);
     check(&[("/bufferViews/0/byteOffset", json!(u64::MAX))], &["beyond its buffer"]);

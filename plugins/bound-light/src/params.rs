@@ -52,7 +52,7 @@ pub struct Params {
 }
 
 /// How hard to look.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Deserialize, serde::Serialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Effort {
     /// One start, improved briefly: a per cent or two below normal.
