@@ -1,21 +1,28 @@
-//! Places without markers: too low for a fibre to turn up to, in a named box, too thin, or too narrow for a fibre's end.
+//! Places without markers: too low for a fibre to turn up to, in a named box or part, too thin, or too narrow for a fibre's end.
 
 use crate::params::Params;
+use crate::parts::ForbiddenParts;
 use fibar_core::artefact::sockets::Sockets;
+use fibar_geometry::distance::Surface;
 use fibar_geometry::rays::RayScene;
 use fibar_geometry::sampling::SurfaceSample;
 use fibar_plugin::StageError;
-use glam::DVec3;
 use rayon::prelude::*;
-
-/// Directions around a fibre's end that are tried for room.
-const FEELERS: usize = 12;
 
 /// What makes a place impossible.
 pub struct KeepOut<'a> {
-    scene: &'a RayScene,
+    body: &'a Solid,
     params: &'a Params,
+    parts: ForbiddenParts,
     floor: f64,
+}
+
+/// The body as rays and as distances find it.
+pub struct Solid {
+    /// For rays.
+    pub scene: RayScene,
+    /// For distances.
+    pub surface: Surface,
 }
 
 /// Why a place is impossible.
@@ -25,17 +32,19 @@ pub enum Refusal {
     Low,
     /// In a box of `keep_out`.
     Boxed,
+    /// On one of the `keep_out_parts`.
+    Painted,
     /// The opposite side is nearer than `thickness_mm`.
     Thin,
-    /// A fibre's end piece would touch the skin sideways.
+    /// A fibre's end piece would touch the skin, or come too near to it, beside its own end.
     Narrow,
 }
 
 impl<'a> KeepOut<'a> {
-    /// The rules of `params` for a body and its LEDs.
-    pub fn new(scene: &'a RayScene, sockets: &Sockets, params: &'a Params) -> KeepOut<'a> {
+    /// The rules of `params` for a body and its LEDs, and parts of the source.
+    pub fn new(body: &'a Solid, sockets: &Sockets, params: &'a Params, parts: ForbiddenParts) -> KeepOut<'a> {
         let tip = sockets.sockets.iter().map(|s| s.position.z).fold(0.0, f64::max);
-        KeepOut { scene, params, floor: tip + params.rise_mm }
+        KeepOut { body, params, parts, floor: tip + params.rise_mm }
     }
 
     /// Indices of the samples where a marker may sit; an error that counts the reasons if there is none.
@@ -47,14 +56,16 @@ impl<'a> KeepOut<'a> {
 
     /// Why no marker may sit at a sample; `None` if one may.
     pub fn refusal(&self, sample: &SurfaceSample) -> Option<Refusal> {
-        let SurfaceSample { position, normal, .. } = *sample;
+        let position = sample.position;
         if position.z < self.floor {
             Some(Refusal::Low)
         } else if self.params.keep_out.iter().any(|region| region.contains(position)) {
             Some(Refusal::Boxed)
+        } else if self.parts.contains(position) {
+            Some(Refusal::Painted)
         } else if self.thickness(sample) < self.params.thickness_mm {
             Some(Refusal::Thin)
-        } else if !self.has_room_for_end(position, normal) {
+        } else if !self.has_room_for_end(sample) {
             Some(Refusal::Narrow)
         } else {
             None
@@ -65,19 +76,17 @@ impl<'a> KeepOut<'a> {
     fn thickness(&self, sample: &SurfaceSample) -> f64 {
         let lift = self.params.lift_mm;
         let start = sample.position - sample.face_normal * lift;
-        lift + self.scene.reach(start, -sample.normal, self.params.thickness_mm)
+        lift + self.body.scene.reach(start, -sample.normal, self.params.thickness_mm)
     }
 
-    /// Whether the inner end of the straight end piece is far enough from the skin on all sides.
-    fn has_room_for_end(&self, position: DVec3, normal: DVec3) -> bool {
-        let inner = position - normal * (self.params.skin_mm + self.params.end_mm);
-        let needed = self.params.fibre_diameter_mm / 2.0 + self.params.skin_mm;
-        let (one, other) = normal.any_orthonormal_pair();
-        (0..FEELERS).all(|k| {
-            let angle = k as f64 * std::f64::consts::TAU / FEELERS as f64;
-            let feeler = one * libm::cos(angle) + other * libm::sin(angle);
-            self.scene.reach(inner, feeler, needed) >= needed
-        })
+    /// Whether the inner end of the straight end piece is far enough from the surface on all sides.
+    fn has_room_for_end(&self, sample: &SurfaceSample) -> bool {
+        let Params { skin_mm, end_mm, fibre_diameter_mm, wall_mm, .. } = *self.params;
+        let inner = sample.position - sample.normal * (skin_mm + end_mm);
+        let needed = fibre_diameter_mm / 2.0 + skin_mm + wall_mm;
+        // A place outside is none, however far from the surface; what is not within the reach is far enough.
+        let nearest = self.body.surface.closest_within(inner, needed);
+        nearest.is_none() && self.body.surface.signed_distance(inner) < 0.0
     }
 
     fn nowhere(&self, refusals: &[Option<Refusal>]) -> StageError {
@@ -86,11 +95,12 @@ impl<'a> KeepOut<'a> {
             format!("{:.0} %", 100.0 * count as f64 / refusals.len() as f64)
         };
         StageError::input(format!(
-            "a fibre can arrive nowhere on the surface: {} of it lies lower than {:.1} mm, {} in keep_out boxes, {} is thinner \
-             than {} mm, {} too narrow for a fibre's end",
+            "a fibre can arrive nowhere on the surface: {} of it lies lower than {:.1} mm, {} in keep_out boxes, {} on \
+             keep_out_parts, {} is thinner than {} mm, {} too narrow for a fibre's end",
             share(Refusal::Low),
             self.floor,
             share(Refusal::Boxed),
+            share(Refusal::Painted),
             share(Refusal::Thin),
             self.params.thickness_mm,
             share(Refusal::Narrow)

@@ -8,20 +8,24 @@ mod candidates;
 mod cells;
 mod keepout;
 mod params;
+mod parts;
 mod suitability;
 mod surface;
 
 use candidates::select_candidates;
 use fibar_core::artefact::Document;
 use fibar_core::artefact::mesh::TriangleMesh;
+use fibar_core::artefact::parts::Parts;
 use fibar_core::artefact::sites::{Site, Sites};
 use fibar_core::artefact::sockets::Sockets;
+use fibar_geometry::distance::Surface;
 use fibar_geometry::rays::RayScene;
 use fibar_geometry::sampling::{SurfaceSample, sample_surface, surface_area};
 use fibar_plugin::{Description, Job, Stage, StageError, serve};
 use glam::DVec3;
-use keepout::KeepOut;
+use keepout::{KeepOut, Solid};
 use params::Params;
+use parts::ForbiddenParts;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use suitability::Outlook;
@@ -40,6 +44,8 @@ impl Stage for PlaceVisibility {
                 "sockets",
                 "The LEDs: no marker sits so low that its fibre would have to turn back.",
             )
+            .optional_input("mesh", "mesh", "What the parts are parts of.")
+            .optional_input("parts", "parts", "Parts of the source, some of which may be kept free.")
             .output("sites", "sites", "Candidate places, and what every viewpoint sees of them.")
             .seeded()
     }
@@ -47,12 +53,22 @@ impl Stage for PlaceVisibility {
     fn run(params: Params, job: &mut Job) -> Result<(), StageError> {
         let body = TriangleMesh::from_ply(&job.read("body")?)?;
         let sockets = Sockets::from_json(&job.read("sockets")?)?;
+        let parts = find_parts(&body, &params, job)?;
         let seed = job.seed();
-        let sites =
-            place(&body, &sockets, &params, seed, &mut |fraction, phase| job.progress(fraction, phase))?;
+        let sites = place(&body, &sockets, parts, &params, seed, &mut |fraction, phase| {
+            job.progress(fraction, phase)
+        })?;
         report(&sites, job);
         job.write("sites", "sites.json", &sites.to_json())
     }
+}
+
+fn find_parts(body: &TriangleMesh, params: &Params, job: &Job) -> Result<ForbiddenParts, StageError> {
+    let (Some(mesh), Some(parts)) = (job.read_optional("mesh")?, job.read_optional("parts")?) else {
+        return ForbiddenParts::find(&params.keep_out_parts, None, body);
+    };
+    let (mesh, parts) = (TriangleMesh::from_ply(&mesh)?, Parts::from_json(&parts)?);
+    ForbiddenParts::find(&params.keep_out_parts, Some((&mesh, &parts)), body)
 }
 
 /// Says how far the work is; an error when it must stop.
@@ -61,6 +77,7 @@ type Progress<'a> = &'a mut dyn FnMut(f64, &str) -> Result<(), StageError>;
 fn place(
     body: &TriangleMesh,
     sockets: &Sockets,
+    parts: ForbiddenParts,
     params: &Params,
     seed: u64,
     progress: Progress,
@@ -73,10 +90,12 @@ fn place(
             StageError::input("the body has no surface").hint("look at body.ply: it should hold the object")
         );
     }
-    let scene = RayScene::new(body);
+    let surface = Surface::new(body).map_err(|e| StageError::input(e.to_string()))?;
+    let solid = Solid { scene: RayScene::new(body), surface };
+    let scene = &solid.scene;
     progress(0.05, "keep-outs")?;
-    let open = KeepOut::new(&scene, sockets, params).open_samples(&samples)?;
-    let suitability = rate_samples(&samples, &open, &outlook, &scene, progress)?;
+    let open = KeepOut::new(&solid, sockets, params, parts).open_samples(&samples)?;
+    let suitability = rate_samples(&samples, &open, &outlook, scene, progress)?;
     progress(0.85, "candidates")?;
     let grain = (surface_area(body) / samples.len() as f64).sqrt();
     let chosen = select_candidates(&samples, &suitability, grain, params, &mut rng);
@@ -87,7 +106,7 @@ fn place(
         suitability_rad: suitability[k],
     };
     let chosen_samples: Vec<SurfaceSample> = chosen.iter().map(|&k| samples[k]).collect();
-    let views = outlook.views(&chosen_samples, &scene, params.emission_limit_deg.to_radians());
+    let views = outlook.views(&chosen_samples, scene, params.emission_limit_deg.to_radians());
     Ok(Sites::new(outlook.centre(), chosen.iter().map(site).collect(), views))
 }
 

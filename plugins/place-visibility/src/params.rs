@@ -50,8 +50,13 @@ pub struct Params {
     /// Skin under the surface, which fibres do not enter.
     #[schemars(range(min = 0.0, max = 10.0), extend("unit" = "mm"))]
     pub skin_mm: f64,
+    /// Further room between a fibre's outer surface and the skin.
+    #[schemars(range(min = 0.0, max = 100.0), extend("unit" = "mm"))]
+    pub wall_mm: f64,
     /// Boxes without markers.
     pub keep_out: Vec<Region>,
+    /// Parts of the source without markers, by label or by colour (`#rrggbb`): a face that a modeller painted, say.
+    pub keep_out_parts: Vec<String>,
     /// How far off the surface rays start, so that they do not meet the very triangle they leave.
     #[schemars(range(min = 0.0001, max = 1.0), extend("unit" = "mm"))]
     pub lift_mm: f64,
@@ -117,7 +122,9 @@ impl Default for Params {
             end_mm: 2.5,
             fibre_diameter_mm: 3.75,
             skin_mm: 0.4,
+            wall_mm: 0.0,
             keep_out: Vec::new(),
+            keep_out_parts: Vec::new(),
             lift_mm: 0.01,
         }
     }

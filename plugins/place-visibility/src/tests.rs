@@ -38,7 +38,8 @@ fn params(change: impl Fn(&mut Params)) -> Params {
 }
 
 fn run(body: &TriangleMesh, params: &Params) -> Result<Sites, StageError> {
-    place(body, &led_at(8.6), params, 1, &mut |_, _| Ok(()))
+    let parts = ForbiddenParts::find(&[], None, body)?;
+    place(body, &led_at(8.6), parts, params, 1, &mut |_, _| Ok(()))
 }
 
 #[test]
