@@ -18,4 +18,5 @@ pub mod room;
 pub mod distance;
 pub mod rays;
 pub mod sampling;
+pub mod segments;
 pub mod viewsphere;
