@@ -152,8 +152,9 @@ impl Flaws {
 /// Measures a course against its limits.
 pub fn flaws(world: &World, course: &Course) -> Flaws {
     const TOLERANCE: f64 = 0.01;
+    const BETWEEN_PLACES: f64 = 1.003; // curvature may be this much greater than where it is looked at
     let curve = course.curve();
-    let bend = tightest_curvature(&curve) * world.min_bend_radius - 1.0;
+    let bend = BETWEEN_PLACES * tightest_curvature(&curve) * world.min_bend_radius - 1.0;
     // Bends are looked at first: walls take longer.
     if bend > 0.5 {
         return Flaws { lack: f64::INFINITY, place: 0.5, bend };

@@ -20,8 +20,6 @@ pub struct Strand {
     pub pattern: u32,
     /// The axis.
     pub course: Course,
-    /// Weight of its lost light.
-    pub weight: f64,
     /// Added to the distance that it keeps from others, mm.
     pub margin: f64,
     /// Limits of its own.
@@ -39,6 +37,25 @@ pub struct Apart {
     pub distance: f64,
     /// Cost per mm of length and mm² of lacking distance.
     pub weight: f64,
+}
+
+/// Moves one strand alone from a course of its own, the others held; the cost is of that strand.
+pub fn settle_one(
+    world: &World,
+    strands: &[Strand],
+    (number, course): (usize, Course),
+    weights: &[f64],
+    apart: Apart,
+    options: MinimiseOptions,
+) -> (f64, Course) {
+    let mut strands: Vec<Strand> = strands.iter().map(|s| Strand { held: true, ..s.clone() }).collect();
+    strands[number].held = false;
+    strands[number].course = course;
+    let mut value = f64::INFINITY;
+    for weight in weights {
+        value = settle(world, &mut strands, Apart { weight: *weight, ..apart }, options);
+    }
+    (value, strands.swap_remove(number).course)
 }
 
 /// Moves all strands that are not held to a place of least cost.
@@ -60,6 +77,17 @@ struct Problem<'a> {
     apart: Apart,
     states: Vec<State>,
     near: Near,
+}
+
+/// Does something with every strand that is not held: on all threads if there are many.
+fn for_each_free(states: &mut [State], each: impl Fn(&mut State) + Send + Sync) {
+    const MANY: usize = 8;
+    let free = states.iter().filter(|state| !state.strand.held).count();
+    if free >= MANY {
+        states.par_iter_mut().filter(|state| !state.strand.held).for_each(each);
+    } else {
+        states.iter_mut().filter(|state| !state.strand.held).for_each(each);
+    }
 }
 
 /// One strand with its memory.
@@ -86,9 +114,8 @@ impl<'a> Problem<'a> {
                 state
             })
             .collect();
-        states.par_iter_mut().for_each(|state| {
-            let watched = &state.strand.watched;
-            state.watch = Watch::over(&state.nodes, world.room, watched);
+        for_each_free(&mut states, |state| {
+            state.watch = Watch::over(&state.nodes, world.room, &state.strand.watched);
         });
         Problem { world, apart, states, near: Near::default() }
     }
@@ -100,10 +127,10 @@ impl<'a> Problem<'a> {
 
     fn cost(&mut self, x: &[f64], gradient: &mut [f64]) -> f64 {
         let world = self.world;
-        self.states.par_iter_mut().for_each(|state| state.measure(world, x));
+        for_each_free(&mut self.states, |state| state.measure(world, x));
         self.near.update(&self.states, self.apart.distance);
         let pairs = self.push_apart();
-        self.states.par_iter_mut().for_each(|state| state.pull_back(world, x));
+        for_each_free(&mut self.states, |state| state.pull_back(world, x));
         for state in self.states.iter().filter(|state| !state.strand.held) {
             gradient[state.first..][..state.gradient.len()].copy_from_slice(&state.gradient);
         }
@@ -144,8 +171,8 @@ impl State {
         let length = if strand.held { 0 } else { Course::variable_count(strand.course.points.len()) };
         State {
             watch: Watch::over(&[], world.room, &[]),
+            pulls: vec![Pull::default(); nodes.len()],
             nodes,
-            pulls: vec![],
             by_points: vec![],
             gradient: vec![0.0; length],
             first,
@@ -155,10 +182,6 @@ impl State {
     }
 
     fn measure(&mut self, world: &World, x: &[f64]) {
-        if self.strand.held {
-            self.pulls.resize(self.nodes.len(), Pull::default());
-            return;
-        }
         let x = &x[self.first..][..self.gradient.len()];
         self.strand.course.set_variables(x);
         let points = &self.strand.course.points;
@@ -170,9 +193,6 @@ impl State {
     }
 
     fn pull_back(&mut self, world: &World, x: &[f64]) {
-        if self.strand.held {
-            return;
-        }
         let x = &x[self.first..][..self.gradient.len()];
         let course = &self.strand.course;
         self.by_points.clear();
@@ -201,7 +221,11 @@ const BEYOND: f64 = 3.0;
 impl Near {
     fn update(&mut self, states: &[State], distance: f64) {
         let moved = |(state, places): (&State, &Vec<DVec3>)| {
-            state.nodes.iter().zip(places).any(|(n, p)| n.position.distance_squared(*p) > 0.25 * BEYOND * BEYOND)
+            state
+                .nodes
+                .iter()
+                .zip(places)
+                .any(|(n, p)| n.position.distance_squared(*p) > 0.25 * BEYOND * BEYOND)
         };
         if self.places.len() == states.len() && !states.iter().zip(&self.places).any(moved) {
             return;
@@ -212,7 +236,6 @@ impl Near {
         let margin = states.iter().fold(0.0, |most: f64, s| most.max(s.strand.margin));
         let reach = distance + 2.0 * margin + BEYOND;
         let lists: Vec<Vec<[u32; 4]>> = (0..states.len())
-            .into_par_iter()
             .map(|a| {
                 let others = (0..a).filter(|&b| {
                     let (a, b) = (&states[a].strand, &states[b].strand);
@@ -225,7 +248,13 @@ impl Near {
     }
 }
 
-fn near_segments(a: usize, b: usize, places: &[Vec<DVec3>], balls: &[Vec<Ball>], reach: f64) -> Vec<[u32; 4]> {
+fn near_segments(
+    a: usize,
+    b: usize,
+    places: &[Vec<DVec3>],
+    balls: &[Vec<Ball>],
+    reach: f64,
+) -> Vec<[u32; 4]> {
     let mut pairs = vec![];
     for one in &balls[a] {
         for other in &balls[b] {

@@ -4,11 +4,13 @@
 //! ([`joint`]) until none comes closer than it may ([`gaps`]). docs/route-negotiated.md tells how, and what was measured.
 
 mod gaps;
+mod inspect;
 mod joint;
 mod mouths;
 mod negotiate;
 mod nets;
 mod params;
+mod reroute;
 
 use fibar_core::artefact::Document;
 use fibar_core::artefact::constellation::Constellation;

@@ -1,11 +1,18 @@
 //! From fibres that know nothing of each other to fibres that keep apart.
+//!
+//! 1. Every fibre takes its best course alone, then a mouth of its own under its LED.
+//! 2. All settle together while closeness costs little, so that they can pass through each other.
+//! 3. Fibres that lost much are ripped up and look for another way; all settle again, closeness costing more each time.
+//! 4. What still breaks a limit moves until nothing does, all else held.
+//! 5. All settle once more; that is kept only if it keeps every limit.
 
-use crate::gaps::{Chords, Contact, contacts};
+use crate::inspect::Faults;
 use crate::joint::{Apart, Strand, settle};
 use crate::mouths;
 use crate::nets::Net;
-use crate::params::Params;
-use fibar_geometry::alone::{World, best, flaws, promising_starts};
+use crate::params::{Effort, Params};
+use crate::reroute::{self, Reroute, loss_of};
+use fibar_geometry::alone::{World, best, promising_starts};
 use fibar_geometry::course::costs::Limits;
 use fibar_geometry::course::{Course, Freedom};
 use fibar_geometry::minimise::MinimiseOptions;
@@ -20,6 +27,9 @@ pub struct Outcome {
     /// Number of the net and its course, in order.
     pub courses: Vec<(usize, Course)>,
 }
+
+/// Beyond the distance that has to be kept, mm, so that what is soft can be kept hard.
+const APART_MARGIN: f64 = 0.02;
 
 /// Routes all nets.
 pub fn route(
@@ -40,10 +50,19 @@ pub fn route(
             .collect();
         return Err(StageError::input(format!("no fibre reaches markers {}", missing.join(", "))));
     }
-    job.progress(0.4, "all fibres together")?;
-    let mut strands: Vec<Strand> = courses.iter().map(|(net, course)| strand(&nets[*net], course)).collect();
-    place_mouths(&mut strands, nets, params);
-    negotiate(world, &mut strands, params, job)?;
+    let mut strands: Vec<Strand> =
+        courses.iter().map(|(net, course)| strand(&nets[*net], course, params)).collect();
+    place_mouths(&mut strands, params);
+    make_room(world, &mut strands, params, job)?;
+    if !finish(world, &mut strands, params, job)? {
+        let faults = Faults::of(world, &strands, params.apart());
+        return Err(StageError::input(format!(
+            "the fibres do not fit: {} pairs of them stay too close, {} fibres break a limit",
+            faults.contacts.len(),
+            faults.flaws.iter().filter(|f| !f.none()).count()
+        )));
+    }
+    polish(world, &mut strands, params);
     let courses = courses.iter().zip(strands).map(|((net, _), strand)| (*net, strand.course)).collect();
     Ok(Outcome { courses })
 }
@@ -64,23 +83,28 @@ fn each_alone(world: &World, passages: &Passages, nets: &[Net], params: &Params)
         .collect()
 }
 
-fn strand(net: &Net, course: &Course) -> Strand {
+fn strand(net: &Net, course: &Course, params: &Params) -> Strand {
+    let limits = Limits {
+        curvature: 1.0 / (1.005 * params.min_bend_radius_mm),
+        wall_margin: 0.02,
+        wall_weight: 1.0,
+        bend_weight: 3.0,
+        speed_weight: 1.0,
+    };
     Strand {
         pattern: net.pattern.0,
         course: course.clone(),
-        weight: 1.0,
         margin: 0.0,
-        limits: Limits { curvature: 0.0, wall_margin: 0.0, wall_weight: 0.0, bend_weight: 0.0, speed_weight: 1.0 },
+        limits,
         watched: vec![],
         held: false,
     }
 }
 
 /// Gives each fibre a mouth of its own under its LED.
-fn place_mouths(strands: &mut [Strand], nets: &[Net], params: &Params) {
+fn place_mouths(strands: &mut [Strand], params: &Params) {
     for group in strands.chunk_by_mut(|a, b| a.pattern == b.pattern) {
-        let ends = group[0].course.ends;
-        let (across, up) = ends.axis.any_orthonormal_pair();
+        let (across, up) = group[0].course.ends.axis.any_orthonormal_pair();
         let wish = |strand: &Strand| {
             let mouth = strand.course.points[0] - strand.course.ends.tip;
             DVec2::new(mouth.dot(across), mouth.dot(up))
@@ -89,63 +113,112 @@ fn place_mouths(strands: &mut [Strand], nets: &[Net], params: &Params) {
         let places = mouths::places(group.len(), params.mouth_radius_mm);
         for (strand, place) in group.iter_mut().zip(mouths::assign(&wishes, &places)) {
             let course = &mut strand.course;
-            let shift = course.ends.tip + places[place].x * across + places[place].y * up - course.points[0];
+            let mouth = course.ends.tip + places[place].x * across + places[place].y * up;
+            let shift = mouth - course.points[0];
             course.points[0] += shift;
             course.points[1] += shift;
-            course.ends.tip = course.points[0];
+            course.ends.tip = mouth;
             course.freedom = Freedom { mouth_radius: 0.0, ..course.freedom };
         }
     }
-    let _ = nets;
 }
 
-/// Rounds of settling with growing weights, until all limits are kept.
-fn negotiate(world: &World, strands: &mut [Strand], params: &Params, job: &mut Job) -> Result<(), StageError> {
-    let mut apart = Apart { distance: params.apart() + 0.02, weight: 0.02 };
-    let mut weight = 0.3;
-    for strand in strands.iter_mut() {
-        strand.limits = Limits {
-            curvature: 1.0 / (1.005 * params.min_bend_radius_mm),
-            wall_margin: 0.02,
-            wall_weight: weight,
-            bend_weight: 3.0,
-            speed_weight: 1.0,
-        };
-    }
-    for round in 0..10 {
-        job.progress(0.4 + 0.05 * f64::from(round), "all fibres together")?;
-        let options = MinimiseOptions { iterations: 80, least_gain: 1e-3, patience: 10, longest_step: 2.0 };
-        let value = settle(world, strands, apart, options);
-        let chords: Vec<Chords> =
-            strands.par_iter().map(|s| Chords::of(s.pattern, &s.course.curve())).collect();
-        let contacts: Vec<Contact> = contacts(&chords, params.apart());
-        let flaws: Vec<_> = strands.par_iter().map(|s| flaws(world, &s.course)).collect();
-        let flawed = flaws.iter().filter(|f| !f.none()).count();
-        let least = contacts.iter().fold(f64::INFINITY, |l, c| l.min(c.distance));
-        job.log("info", &format!("round {round}: cost {value:.3}, {} contacts, least {least:.3}, {flawed} flawed", contacts.len()));
-        if contacts.is_empty() && flawed == 0 {
-            return Ok(());
+/// Settles all fibres together and rips up those that lose most, closeness costing more each time.
+fn make_room(
+    world: &World,
+    strands: &mut [Strand],
+    params: &Params,
+    job: &mut Job,
+) -> Result<(), StageError> {
+    let weights: &[f64] = match params.effort {
+        Effort::Quick => &[0.02, 0.15, 1.0],
+        Effort::Normal => &[0.02, 0.06, 0.2, 0.6, 2.0],
+        Effort::Thorough => &[0.02, 0.04, 0.08, 0.15, 0.3, 0.6, 1.2, 2.4],
+    };
+    let steps = MinimiseOptions { iterations: 80, least_gain: 1e-3, patience: 10, longest_step: 2.0 };
+    let alone: Vec<(Course, f64)> =
+        strands.par_iter().map(|s| (s.course.clone(), loss_of(world, &s.course))).collect();
+    let distance = params.apart() + APART_MARGIN;
+    for (round, &weight) in weights.iter().enumerate() {
+        let share = |t: f64| 0.3 + 0.5 * (round as f64 + t) / weights.len() as f64;
+        if round > 0 && round + 1 < weights.len() {
+            let options = Reroute {
+                apart: Apart { distance, weight: weight.min(0.1) },
+                least_excess: 0.3,
+                aside: 10.0,
+            };
+            let changed = reroute::pass(world, strands, &alone, &options, &mut |t| {
+                job.progress(share(0.7 * t), "other ways")
+            })?;
+            job.log("info", &format!("{changed} fibres took another way"));
         }
-        if apart.weight < 2.0 {
-            apart.weight *= 3.0;
-        }
-        weight *= 1.5;
-        for (strand, flaws) in strands.iter_mut().zip(&flaws) {
-            if !flaws.none() {
-                strand.watched.push(flaws.place);
-                strand.limits.wall_margin += flaws.lack.clamp(0.0, 0.1);
-                strand.limits.wall_weight = strand.limits.wall_weight.max(weight) * 2.0;
-                strand.limits.bend_weight *= 2.0;
-                strand.limits.curvature /= 1.0 + flaws.bend.clamp(0.0, 0.03);
-            }
-        }
-        if round >= 4 {
-            for contact in &contacts {
-                for k in contact.strands {
-                    strands[k].margin = (strands[k].margin + 0.5 * (params.apart() - contact.distance).min(0.1)).min(0.3);
-                }
-            }
-        }
+        job.progress(share(0.7), "all fibres together")?;
+        settle(world, strands, Apart { distance, weight }, steps);
     }
     Ok(())
+}
+
+/// Moves what breaks a limit until nothing does, all else held; whether that came to an end.
+fn finish(world: &World, strands: &mut [Strand], params: &Params, job: &mut Job) -> Result<bool, StageError> {
+    const ROUNDS: u32 = 16;
+    let steps = MinimiseOptions { iterations: 100, least_gain: 1e-4, patience: 10, longest_step: 1.0 };
+    let apart = Apart { distance: params.apart() + APART_MARGIN, weight: 3.0 };
+    for round in 0..ROUNDS {
+        job.progress(0.8 + 0.15 * f64::from(round) / f64::from(ROUNDS), "limits")?;
+        let faults = Faults::of(world, strands, params.apart());
+        job.log(
+            "debug",
+            &format!(
+                "{} contacts, {} of {} break a limit ({:.3})",
+                faults.contacts.len(),
+                faults.strands().len(),
+                strands.len(),
+                faults.sum(params.apart())
+            ),
+        );
+        if faults.none() {
+            strands.iter_mut().for_each(|strand| strand.held = false);
+            return Ok(true);
+        }
+        urge(strands, &faults, params.apart());
+        let moving = faults.strands();
+        for (k, strand) in strands.iter_mut().enumerate() {
+            strand.held = moving.binary_search(&k).is_err();
+        }
+        settle(world, strands, apart, steps);
+    }
+    strands.iter_mut().for_each(|strand| strand.held = false);
+    Ok(false)
+}
+
+/// Asks more of the fibres that break a limit.
+fn urge(strands: &mut [Strand], faults: &Faults, apart: f64) {
+    for (strand, flaws) in strands.iter_mut().zip(&faults.flaws).filter(|(_, flaws)| !flaws.none()) {
+        if flaws.lack > 0.0 {
+            strand.watched.push(flaws.place);
+            strand.limits.wall_margin = (strand.limits.wall_margin + flaws.lack.min(0.1)).min(0.6);
+            strand.limits.wall_weight = (4.0 * strand.limits.wall_weight).min(300.0);
+        }
+        if flaws.bend > 0.0 {
+            strand.limits.bend_weight = (4.0 * strand.limits.bend_weight).min(800.0);
+            strand.limits.curvature /= 1.0 + flaws.bend.min(0.02);
+        }
+    }
+    for contact in &faults.contacts {
+        for k in contact.strands {
+            strands[k].margin = (strands[k].margin + 0.5 * (apart - contact.distance).min(0.1)).min(0.3);
+        }
+    }
+}
+
+/// Settles all fibres once more from where every limit is kept; what then breaks one is undone.
+fn polish(world: &World, strands: &mut [Strand], params: &Params) {
+    let before = strands.to_vec();
+    let loss = |strands: &[Strand]| strands.iter().fold(0.0, |sum, s| sum + loss_of(world, &s.course));
+    let steps = MinimiseOptions { iterations: 100, least_gain: 1e-4, patience: 10, longest_step: 0.5 };
+    let apart = Apart { distance: params.apart() + APART_MARGIN, weight: 3.0 };
+    settle(world, strands, apart, steps);
+    if !Faults::of(world, strands, params.apart()).none() || loss(strands) > loss(&before) {
+        strands.clone_from_slice(&before);
+    }
 }

@@ -60,12 +60,8 @@ fn net_of(marker: &Marker, sockets: &Sockets) -> Result<Net, StageError> {
         .hint("give the sockets as many LEDs as the constellation has patterns")
         .place_mm(marker.position.to_array())
     })?;
-    let ends = Ends {
-        tip: socket.position,
-        axis: socket.axis,
-        marker: marker.position,
-        normal: marker.normal,
-    };
+    let ends =
+        Ends { tip: socket.position, axis: socket.axis, marker: marker.position, normal: marker.normal };
     Ok(Net { pattern: marker.pattern, led: socket.led, marker: marker.id, ends })
 }
 
@@ -112,9 +108,8 @@ fn check_marker(marker: &Marker, room: &Room, rules: &Rules) -> Result<(), Stage
 /// Fibres of two patterns cannot end closer than they may run.
 fn check_distances(nets: &[Net], rules: &Rules) -> Result<(), StageError> {
     let pairs = nets.iter().enumerate().flat_map(|(k, a)| nets[..k].iter().map(move |b| (b, a)));
-    let too_close = |(a, b): &(&Net, &Net)| {
-        a.pattern != b.pattern && a.ends.marker.distance(b.ends.marker) < rules.apart
-    };
+    let too_close =
+        |(a, b): &(&Net, &Net)| a.pattern != b.pattern && a.ends.marker.distance(b.ends.marker) < rules.apart;
     let Some((a, b)) = pairs.into_iter().find(too_close) else { return Ok(()) };
     let distance = a.ends.marker.distance(b.ends.marker);
     let message = format!(

@@ -1,0 +1,45 @@
+//! What is still wrong with a routing: contacts between patterns, and limits that single fibres break.
+
+use crate::gaps::{Chords, Contact, contacts};
+use crate::joint::Strand;
+use fibar_geometry::alone::{Flaws, World, flaws};
+use rayon::prelude::*;
+
+/// Everything that is wrong; nothing here is sampled without a margin.
+pub struct Faults {
+    /// Pairs of strands that are too close.
+    pub contacts: Vec<Contact>,
+    /// What each strand breaks of its own limits.
+    pub flaws: Vec<Flaws>,
+}
+
+impl Faults {
+    /// Looks at all strands; axes of two patterns have to be `apart` mm from each other.
+    pub fn of(world: &World, strands: &[Strand], apart: f64) -> Faults {
+        let chords: Vec<Chords> =
+            strands.par_iter().map(|s| Chords::of(s.pattern, &s.course.curve())).collect();
+        let flaws = strands.par_iter().map(|s| flaws(world, &s.course)).collect();
+        Faults { contacts: contacts(&chords, apart), flaws }
+    }
+
+    /// Whether all limits are kept.
+    pub fn none(&self) -> bool {
+        self.contacts.is_empty() && self.flaws.iter().all(Flaws::none)
+    }
+
+    /// Strands that have to move, in order.
+    pub fn strands(&self) -> Vec<usize> {
+        let mut strands: Vec<usize> = self.contacts.iter().flat_map(|c| c.strands).collect();
+        strands.extend((0..self.flaws.len()).filter(|&k| !self.flaws[k].none()));
+        strands.sort_unstable();
+        strands.dedup();
+        strands
+    }
+
+    /// How much is wrong in all: lacking mm, and relative excess of bends tenfold.
+    pub fn sum(&self, apart: f64) -> f64 {
+        let lack = |f: &Flaws| f.lack.clamp(0.0, 10.0) + 10.0 * f.bend.clamp(0.0, 1.0);
+        let own = self.flaws.iter().fold(0.0, |sum, f| sum + lack(f));
+        self.contacts.iter().fold(own, |sum, c| sum + apart - c.distance)
+    }
+}
