@@ -10,6 +10,8 @@ pub enum Peer {
     Python(&'static str),
     /// A script of `tests/peers` in the Python environment with OpenCV.
     Vision(&'static str),
+    /// A script of `tests/peers` in the Python environment with Mitsuba.
+    Optics(&'static str),
     /// A script of `tests/peers` run by node, beside the npm packages.
     Node(&'static str),
 }
@@ -28,7 +30,7 @@ impl Peer {
 
     fn script(&self) -> &'static str {
         match self {
-            Peer::Python(script) | Peer::Vision(script) | Peer::Node(script) => script,
+            Peer::Python(script) | Peer::Vision(script) | Peer::Optics(script) | Peer::Node(script) => script,
         }
     }
 
@@ -37,6 +39,7 @@ impl Peer {
         let (program, stamp) = match self {
             Peer::Python(_) => (folder().join("python/bin/python"), "python.stamp"),
             Peer::Vision(_) => (folder().join("vision/bin/python"), "vision.stamp"),
+            Peer::Optics(_) => (folder().join("optics/bin/python"), "optics.stamp"),
             Peer::Node(_) => (PathBuf::from("node"), "npm.stamp"),
         };
         folder().join(stamp).exists().then_some((program, script))

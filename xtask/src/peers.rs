@@ -1,4 +1,4 @@
-//! Other people's readers, which check what we export: lib3mf, PrusaSlicer, the glTF validator.
+//! Other people's programs, which check ours: lib3mf, PrusaSlicer, the glTF validator, OpenCV, Mitsuba.
 //!
 //! Each is set up once below `target/peers`. Where one cannot be had the tests that need it are skipped, and say why;
 //! with `CI=true` that is a failure.
@@ -15,6 +15,7 @@ pub fn ensure(checkout: &Checkout) -> Result<std::path::PathBuf, Failure> {
     for (name, result) in [
         ("lib3mf from PyPI", ensure_python(checkout, &folder, "python", "requirements.txt")),
         ("OpenCV from PyPI", ensure_python(checkout, &folder, "vision", "requirements-vision.txt")),
+        ("Mitsuba from PyPI", ensure_python(checkout, &folder, "optics", "requirements-optics.txt")),
         ("gltf-validator from npm", ensure_npm(checkout, &folder)),
         ("prusa-slicer from Debian", ensure_prusa_slicer()),
     ] {

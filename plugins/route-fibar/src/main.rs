@@ -17,6 +17,8 @@ mod neighbours;
 
 mod adam;
 mod objective;
+#[cfg(test)]
+mod reference;
 mod refine;
 mod wall;
 

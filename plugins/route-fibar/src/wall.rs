@@ -137,6 +137,40 @@ mod tests {
         assert!(wall.sum_with_gradient(DVec3::ZERO).0.abs() < 1e-6);
     }
 
+    /// The paper's own sum, over the vertices of a mesh as dense as its bunny's.
+    #[test]
+    fn the_field_is_the_sum_over_the_vertices_of_a_dense_mesh() {
+        let (half, params) = (DVec3::new(12.0, 10.0, 8.0), params());
+        let body = cuboid(half);
+        let interior = Interior::of(&body, &params).unwrap();
+        let wall = Wall::of(&body, &interior, &params);
+        let spacing = 1.0 / params.surface_points_per_mm2.sqrt();
+        let along = |size: f64| {
+            let count = (2.0 * size / spacing).round() as u32;
+            (0..count).map(move |k| (f64::from(k) + 0.5) / f64::from(count) * 2.0 * size - size)
+        };
+        let face = |axis: usize| {
+            let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);
+            let pairs = along(half[i]).flat_map(move |u| along(half[j]).map(move |v| (u, v)));
+            pairs.flat_map(move |(u, v)| {
+                [-half[axis], half[axis]].map(|w| {
+                    let mut point = DVec3::ZERO;
+                    (point[i], point[j], point[axis]) = (u, v, w);
+                    point
+                })
+            })
+        };
+        let vertices: Vec<DVec3> = (0..3).flat_map(face).collect();
+        for k in 0..60 {
+            let t = f64::from(k);
+            let share = DVec3::new((t * 0.7).sin(), (t * 1.1).cos(), (t * 0.3).sin());
+            let place = share * (half - 1.6);
+            let plain: f64 = vertices.iter().map(|v| (-params.k7 * place.distance(*v)).exp()).sum();
+            let sum = wall.sum_with_gradient(place).0;
+            assert!((sum - plain).abs() < 0.08 * plain + 1e-5, "{place}: {sum} is not {plain}");
+        }
+    }
+
     #[test]
     fn the_gradient_is_that_of_the_field() {
         let (body, params) = (cuboid(DVec3::new(8.0, 9.0, 5.0)), params());

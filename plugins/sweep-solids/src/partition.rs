@@ -218,6 +218,25 @@ mod tests {
     }
 
     #[test]
+    fn mouths_beside_the_tip_are_cut_by_the_hole_and_lie_under_the_dome() {
+        let names = ["core1", "core2", "cladding1", "cladding2", "black1", "black2", "skin", "filler"];
+        let beside = |id: u32, led: usize, by: DVec3| {
+            let mut fibre = fibre(id, led, LEDS[led].x, 0.0);
+            fibre.points.iter_mut().for_each(|point| *point += by);
+            fibre
+        };
+        let [left, right, up] = [DVec3::NEG_X, DVec3::X, DVec3::Y].map(|d| d * 1.625);
+        let fibres = vec![beside(1, 0, left), beside(2, 0, right), beside(3, 1, up)];
+        let partition = check(fibres, &names, &[]);
+        for part in partition.parts.iter().filter(|p| p.role == Role::Core) {
+            let (low, high) = part.solid.bounds().unwrap();
+            assert!((low.z - 6.0).abs() < 1e-9 && (high.z - 29.6).abs() < 1e-9, "from the tip to the skin");
+        }
+        let pieces = |k: usize| partition.parts[k].solid.components().unwrap().len();
+        assert_eq!((pieces(0), pieces(1)), (1, 2), "two mouths of LED 0, one of LED 1");
+    }
+
+    #[test]
     fn the_lower_pattern_keeps_a_crossing() {
         let names = ["core1", "core2", "cladding1", "cladding2", "black1", "black2", "skin", "filler"];
         let crossing = vec![fibre(1, 0, 8.0, 1.0), fibre(2, 1, -8.0, 0.0)];

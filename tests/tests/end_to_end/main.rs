@@ -6,6 +6,7 @@ mod bad_input;
 mod bunny;
 mod checkouts;
 mod pebble;
+mod optics;
 mod peers;
 mod plugins;
 mod recipes;

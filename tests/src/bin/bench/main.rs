@@ -2,6 +2,8 @@
 
 mod engine;
 mod peers;
+mod recipe;
+mod routing;
 mod stopwatch;
 
 fn main() {
@@ -9,5 +11,8 @@ fn main() {
     let wanted = |name: &str| names.is_empty() || names.iter().any(|n| n == name);
     if wanted("engine") {
         engine::run();
+    }
+    if wanted("routing") {
+        routing::run();
     }
 }
