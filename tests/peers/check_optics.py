@@ -24,7 +24,7 @@ mi.set_variant("scalar_rgb")
 SIDES = 64
 STEP_MM = 0.1
 BOUNCES = 400
-# Width of the microfacets of the rough wall: chosen so that a bend of 20 mm loses what the law says, within a factor.
+# Width of the microfacets of the rough wall: about one degree.
 ROUGH_ALPHA = 0.02
 
 

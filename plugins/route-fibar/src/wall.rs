@@ -164,10 +164,10 @@ mod tests {
         for k in 0..60 {
             let t = f64::from(k);
             let share = DVec3::new((t * 0.7).sin(), (t * 1.1).cos(), (t * 0.3).sin());
-            let place = share * (half - 1.6);
+            let place = share * (half - 2.0);
             let plain: f64 = vertices.iter().map(|v| (-params.k7 * place.distance(*v)).exp()).sum();
             let sum = wall.sum_with_gradient(place).0;
-            assert!((sum - plain).abs() < 0.08 * plain + 1e-5, "{place}: {sum} is not {plain}");
+            assert!((sum - plain).abs() < 0.1 * plain + 1e-5, "{place}: {sum} is not {plain}");
         }
     }
 

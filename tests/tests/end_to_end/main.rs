@@ -5,8 +5,8 @@
 mod bad_input;
 mod bunny;
 mod checkouts;
-mod pebble;
 mod optics;
+mod pebble;
 mod peers;
 mod plugins;
 mod recipes;

@@ -47,14 +47,12 @@ impl Recipe {
         self
     }
 
-    /// The stages up to the route and what measures it, with bounds.
+    /// The stages up to the route and what measures it, with bounds of the markers' own at full effort.
     pub fn for_routing(mut self) -> Recipe {
         self.stages.retain(|stage| !NOT_ROUTING.iter().any(|prefix| plugin(stage).starts_with(prefix)));
-        if !self.stages.iter().any(|stage| plugin(stage) == "bound-light") {
-            let route = self.stages.iter().position(|stage| plugin(stage).starts_with("route-"));
-            let bounds = "use = \"bound-light\"\n".to_owned();
-            self.stages.insert(route.unwrap_or(self.stages.len()), bounds);
-        }
+        let route = self.stages.iter().position(|stage| plugin(stage).starts_with("route-"));
+        let bounds = "id = \"bounds-of-markers\"\nuse = \"bound-light\"\n".to_owned();
+        self.stages.insert(route.unwrap_or(self.stages.len()), bounds);
         self
     }
 
