@@ -19,8 +19,11 @@ use fibar_core::artefact::sockets::Sockets;
 use fibar_core::code_set::codes_for;
 use fibar_core::images::Images;
 use fibar_core::{MarkerId, PatternId};
+use fibar_picture::Chart;
+use fibar_picture::colour::hue;
 use fibar_plugin::{Description, Job, Stage, StageError, serve};
 use genetic::Found;
+use glam::DVec2;
 use objective::Evaluated;
 use params::Params;
 
@@ -46,6 +49,7 @@ impl Stage for AssignGenetic {
             "constellation.json",
             "Markers, codes and the lookup table.",
         )
+        .published("picture", "picture", "objective.png", "The best objective after each iteration.")
         .seeded()
     }
 
@@ -60,6 +64,7 @@ impl Stage for AssignGenetic {
         })?;
         report(&found, &images, job);
         let constellation = name_markers(&found.best, &images, codes, params.bit_rate_hz)?;
+        job.write("picture", "objective.png", &draw_history(&found.history))?;
         job.write("constellation", "constellation.json", &constellation.to_json())
     }
 }
@@ -107,6 +112,18 @@ fn name_markers(
         return Err(StageError::user(message).param("/k1").hint("a smaller k1 costs wrong names less"));
     }
     Ok(Constellation::new(bit_rate_hz, codes, markers))
+}
+
+/// The best objective after each iteration, as a PNG.
+fn draw_history(history: &[f64]) -> Vec<u8> {
+    let points = (0..).zip(history).map(|(k, &objective)| DVec2::new(f64::from(k), objective));
+    let chart = Chart {
+        title: "assign-genetic",
+        x: "iteration",
+        y: "best objective",
+        curves: vec![("best objective", hue(0), points.collect())],
+    };
+    chart.draw(900, 520).to_png()
 }
 
 fn report(found: &Found, images: &Images, job: &mut Job) {

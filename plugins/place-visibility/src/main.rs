@@ -9,6 +9,7 @@ mod cells;
 mod keepout;
 mod params;
 mod parts;
+mod picture;
 mod suitability;
 mod surface;
 
@@ -47,6 +48,7 @@ impl Stage for PlaceVisibility {
             .optional_input("mesh", "mesh", "What the parts are parts of.")
             .optional_input("parts", "parts", "Parts of the source, some of which may be kept free.")
             .output("sites", "sites", "Candidate places, and what every viewpoint sees of them.")
+            .published("picture", "picture", "visibility.png", "s(p) on the object, and the candidates.")
             .seeded()
     }
 
@@ -55,11 +57,13 @@ impl Stage for PlaceVisibility {
         let sockets = Sockets::from_json(&job.read("sockets")?)?;
         let parts = find_parts(&body, &params, job)?;
         let seed = job.seed();
-        let sites = place(&body, &sockets, parts, &params, seed, &mut |fraction, phase| {
+        let placed = place(&body, &sockets, parts, &params, seed, &mut |fraction, phase| {
             job.progress(fraction, phase)
         })?;
+        let Placed { sites, samples, suitability } = placed;
         report(&sites, job);
-        job.write("sites", "sites.json", &sites.to_json())
+        job.write("sites", "sites.json", &sites.to_json())?;
+        job.write("picture", "visibility.png", &picture::draw(&body, &samples, &suitability, &sites))
     }
 }
 
@@ -74,6 +78,14 @@ fn find_parts(body: &TriangleMesh, params: &Params, job: &Job) -> Result<Forbidd
 /// Says how far the work is; an error when it must stop.
 type Progress<'a> = &'a mut dyn FnMut(f64, &str) -> Result<(), StageError>;
 
+/// The candidates, and the rated samples that they were chosen from.
+struct Placed {
+    sites: Sites,
+    samples: Vec<SurfaceSample>,
+    /// `s(p)` of every sample, rad; 0 where no marker may sit.
+    suitability: Vec<f64>,
+}
+
 fn place(
     body: &TriangleMesh,
     sockets: &Sockets,
@@ -81,7 +93,7 @@ fn place(
     params: &Params,
     seed: u64,
     progress: Progress,
-) -> Result<Sites, StageError> {
+) -> Result<Placed, StageError> {
     let outlook = Outlook::new(body, params)?;
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let samples = sample_surface(body, params.samples as usize, params.crease_deg.to_radians(), &mut rng);
@@ -107,7 +119,8 @@ fn place(
     };
     let chosen_samples: Vec<SurfaceSample> = chosen.iter().map(|&k| samples[k]).collect();
     let views = outlook.views(&chosen_samples, scene, params.emission_limit_deg.to_radians());
-    Ok(Sites::new(outlook.centre(), chosen.iter().map(site).collect(), views))
+    let sites = Sites::new(outlook.centre(), chosen.iter().map(site).collect(), views);
+    Ok(Placed { sites, samples, suitability })
 }
 
 /// `s(p)` of every sample, rad; 0 for those struck out.

@@ -39,7 +39,7 @@ fn params(change: impl Fn(&mut Params)) -> Params {
 
 fn run(body: &TriangleMesh, params: &Params) -> Result<Sites, StageError> {
     let parts = ForbiddenParts::find(&[], None, body)?;
-    place(body, &led_at(8.6), parts, params, 1, &mut |_, _| Ok(()))
+    place(body, &led_at(8.6), parts, params, 1, &mut |_, _| Ok(())).map(|placed| placed.sites)
 }
 
 #[test]
@@ -100,6 +100,62 @@ fn coarse_and_fine_meshes_agree() {
     let ((coarse, s_coarse), (fine, s_fine)) = (summary(8), summary(40));
     assert!((coarse / fine - 1.0).abs() < 0.05, "{coarse} {fine}");
     assert!((s_coarse / s_fine - 1.0).abs() < 0.05, "{s_coarse} {s_fine}");
+}
+
+#[test]
+fn the_bunny_is_the_same_coarse_and_fine() {
+    let coarse = bunny();
+    let fine = halve_edges(&halve_edges(&coarse));
+    let summary = |body: &TriangleMesh| {
+        let sites = run(body, &params(|p| (p.samples, p.order) = (10_000, Order::BestFirst))).unwrap().sites;
+        let total: f64 = sites.iter().map(|s| s.suitability_rad).sum();
+        (sites.len() as f64, total / sites.len() as f64)
+    };
+    let ((count, s), (fine_count, fine_s)) = (summary(&coarse), summary(&fine));
+    assert_eq!(fine.triangles.len(), 16 * coarse.triangles.len());
+    assert!((count / fine_count - 1.0).abs() < 0.05, "{count} {fine_count}");
+    assert!((s / fine_s - 1.0).abs() < 0.05, "{s} {fine_s}");
+}
+
+/// The recipe's bunny on its belly, mm.
+fn bunny() -> TriangleMesh {
+    let text = include_str!("../../../recipes/objects/stanford-bunny.obj");
+    let mut mesh = TriangleMesh::default();
+    for line in text.lines() {
+        let mut words = line.split_whitespace();
+        match words.next() {
+            Some("v") => {
+                let [x, y, z] = std::array::from_fn(|_| words.next().unwrap().parse::<f64>().unwrap());
+                mesh.vertices.push(DVec3::new(x, -z, y));
+            }
+            Some("f") => {
+                let corner = |w: &str| w.split('/').next().unwrap().parse::<u32>().unwrap() - 1;
+                mesh.triangles.push(std::array::from_fn(|_| corner(words.next().unwrap())));
+            }
+            _ => (),
+        }
+    }
+    let (low, high) = mesh.bounds().unwrap();
+    let scale = 148.0 / (high.z - low.z);
+    mesh.vertices.iter_mut().for_each(|v| *v = (*v - low.with_x(0.0).with_y(0.0)) * scale);
+    mesh
+}
+
+/// The same surface with four triangles for each one.
+fn halve_edges(mesh: &TriangleMesh) -> TriangleMesh {
+    let mut fine = TriangleMesh { vertices: mesh.vertices.clone(), triangles: Vec::new() };
+    let mut middles = std::collections::BTreeMap::new();
+    for &[a, b, c] in &mesh.triangles {
+        let mut middle = |a: u32, b: u32| {
+            *middles.entry((a.min(b), a.max(b))).or_insert_with(|| {
+                fine.vertices.push((mesh.vertices[a as usize] + mesh.vertices[b as usize]) / 2.0);
+                fine.vertices.len() as u32 - 1
+            })
+        };
+        let (ab, bc, ca) = (middle(a, b), middle(b, c), middle(c, a));
+        fine.triangles.extend([[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]);
+    }
+    fine
 }
 
 #[test]
