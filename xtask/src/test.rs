@@ -50,7 +50,7 @@ pub fn bench(checkout: &Checkout, words: &[&str]) -> Result<(), Failure> {
 /// The long form of the kill and concurrency tests, one after the other.
 pub fn soak(checkout: &Checkout) -> Result<(), Failure> {
     plugins::compile_all(checkout)?;
-    let mut tests = checkout.cargo(&["test", "--release", "--package", "fibar-tests", "--test", "engine"]);
-    tests.args(["--", "--nocapture", "--test-threads=1", "soak"]);
-    checkout::run(tests.env("FIBAR_SOAK", "1").env("FIBAR_BIN", executables(checkout)))
+    let mut tests = cargo_test(checkout);
+    tests.args(["--test", "engine", "--", "--nocapture", "--test-threads=1", "soak"]);
+    checkout::run(tests.env("FIBAR_SOAK", "1"))
 }

@@ -32,10 +32,9 @@ impl Estimate {
     /// From the last build into each plan's folder; a variant without one goes by its siblings.
     pub fn from_earlier(plans: &[Plan], out: &Path) -> Estimate {
         let earlier: Vec<_> = plans.iter().map(|plan| earlier_seconds(&out.join(&plan.name))).collect();
-        let seconds = |at: usize, id: &str| {
-            let anywhere = || earlier.iter().find_map(|known| known.get(id));
-            earlier[at].get(id).or_else(anywhere).copied()
-        };
+        let anywhere: BTreeMap<&str, f64> =
+            earlier.iter().flatten().map(|(id, s)| (id.as_str(), *s)).collect();
+        let seconds = |at: usize, id: &str| earlier[at].get(id).or(anywhere.get(id)).copied();
         let expected = |(at, plan): (usize, &Plan)| {
             let named = plan.stages.iter().zip(identities(plan));
             let expect = |(stage, identity): (&PlannedStage, Digest)| Expected {

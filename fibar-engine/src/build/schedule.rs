@@ -14,7 +14,10 @@ use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::thread::Scope;
-use std::time::Instant;
+use std::time::{Duration, Instant};
+
+/// What is left is told again after so long at the earliest.
+const ESTIMATE_PAUSE: Duration = Duration::from_millis(200);
 
 /// A stage with its result.
 #[derive(Debug, Clone)]
@@ -124,6 +127,8 @@ struct Scheduler<'a> {
     said: bool,
     /// Made when the first stage starts: a build with nothing to do needs none.
     estimate: Option<Estimate>,
+    /// When it was last told.
+    estimated: Option<Instant>,
 }
 
 impl<'a> Scheduler<'a> {
@@ -150,6 +155,7 @@ impl<'a> Scheduler<'a> {
             failures: Vec::new(),
             said: false,
             estimate: None,
+            estimated: None,
         }
     }
 
@@ -220,8 +226,13 @@ impl<'a> Scheduler<'a> {
         }
     }
 
-    fn say_what_is_left(&self) {
+    /// Not after every stage: of a thousand variants some finish every millisecond.
+    fn say_what_is_left(&mut self) {
+        if self.estimated.is_some_and(|at| at.elapsed() < ESTIMATE_PAUSE) {
+            return;
+        }
         if let Some(estimate) = &self.estimate {
+            self.estimated = Some(Instant::now());
             let is_finished = |p: usize, s: usize| self.finished[p][s].is_some();
             let left = estimate.left(self.plans, is_finished, self.options.budget.cores);
             self.options.observer.event(&Event::Left(left));
