@@ -253,4 +253,6 @@ impl Search<'_> {
 }
 
 #[cfg(test)]
+mod bunny;
+#[cfg(test)]
 mod tests;

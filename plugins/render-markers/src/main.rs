@@ -69,11 +69,11 @@ struct Scene<'a> {
 
 /// What each panel shows, and where the camera looks.
 const PANELS: [(&str, DVec3); 5] = [
-    ("from −y", DVec3::Y),
+    ("from -y", DVec3::Y),
     ("from +x", DVec3::NEG_X),
     ("from above", DVec3::NEG_Z),
     ("from +y", DVec3::NEG_Y),
-    ("from −x", DVec3::X),
+    ("from -x", DVec3::X),
 ];
 const STONE: Colour = [0.86, 0.87, 0.88];
 const CANDIDATE: Colour = [0.55, 0.57, 0.60];

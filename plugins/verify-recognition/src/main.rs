@@ -6,6 +6,7 @@
 
 #[cfg(test)]
 mod fixture;
+mod listing;
 mod occlusion;
 mod params;
 mod picture;
@@ -44,6 +45,7 @@ impl Stage for VerifyRecognition {
         .input("constellation", "constellation", "The markers and the lookup table.")
         .published("verdict", "verdict", "verdict-verify-recognition.json", "Rates, coverage, the worst view.")
         .published("picture", "picture", "recognition.png", "Recognition over the viewing sphere, and the worst view.")
+        .published("views", "table", "recognition-views.csv", "Every view: names, pose, errors, predicted deviations.")
         .seeded()
     }
 
@@ -104,5 +106,6 @@ fn report(tally: &Tally, bench: &Bench, job: &mut Job) -> Result<(), StageError>
         job.violation(verdict::violation(broken));
     }
     job.write("verdict", "verdict-verify-recognition.json", &verdict.to_json())?;
+    job.write("views", "recognition-views.csv", listing::list(tally).as_bytes())?;
     job.write("picture", "recognition.png", &picture::draw(tally, &bench.scene, bench.params))
 }

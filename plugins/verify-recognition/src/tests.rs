@@ -66,3 +66,14 @@ fn an_object_of_no_use_is_reported_and_no_crash() {
     check(3);
     check(7);
 }
+
+#[test]
+fn every_view_is_a_line_of_the_table() {
+    let params = Params { views: 25, ..Params::default() };
+    let table = listing::list(&try_pebble(5, &params, 6));
+    let lines: Vec<&str> = table.lines().collect();
+    assert_eq!(lines.len(), 26);
+    let columns = |line: &str| line.split(',').count();
+    assert!(lines.iter().all(|line| columns(line) == columns(lines[0])), "{table}");
+    assert!(lines[0].contains("pose_right_30,error_turn_deg_30"));
+}

@@ -1,6 +1,7 @@
 //! `cargo xtask bench [NAME]`: ratios to peers, measured in one run on one machine. Nothing here fails on a slow one.
 
 mod engine;
+mod markers;
 mod peers;
 mod recipe;
 mod routing;
@@ -11,6 +12,9 @@ fn main() {
     let wanted = |name: &str| names.is_empty() || names.iter().any(|n| n == name);
     if wanted("engine") {
         engine::run();
+    }
+    if wanted("markers") {
+        markers::run();
     }
     if wanted("routing") {
         routing::run();
