@@ -60,6 +60,22 @@ pub fn best(world: &World, ends: Ends, starts: &[Vec<DVec3>], options: &AloneOpt
     best
 }
 
+/// The best course from the most promising starts; where none of them leads to one, from all starts with more patience.
+pub fn find(
+    world: &World,
+    ends: Ends,
+    ways: Option<&Ways>,
+    keep: usize,
+    options: &AloneOptions,
+) -> Option<Alone> {
+    const PATIENT: AloneOptions = AloneOptions { span: 6.0, iterations: 300, rounds: 10 };
+    let starts = promising_starts(world, ends, ways, keep, options);
+    best(world, ends, &starts, options).or_else(|| {
+        let starts = promising_starts(world, ends, ways, usize::MAX, &PATIENT);
+        best(world, ends, &starts, &PATIENT)
+    })
+}
+
 /// Improves one course; none if its limits cannot be kept.
 pub fn improve(world: &World, mut course: Course, options: &AloneOptions) -> Option<Alone> {
     const WALL_MARGIN: f64 = 0.02;
@@ -152,7 +168,7 @@ impl Flaws {
 /// Measures a course against its limits.
 pub fn flaws(world: &World, course: &Course) -> Flaws {
     const TOLERANCE: f64 = 0.01;
-    const BETWEEN_PLACES: f64 = 1.003; // curvature may be this much greater than where it is looked at
+    const BETWEEN_PLACES: f64 = 1.004; // curvature may be this much greater than where it is looked at
     let curve = course.curve();
     let bend = BETWEEN_PLACES * tightest_curvature(&curve) * world.min_bend_radius - 1.0;
     // Bends are looked at first: walls take longer.
@@ -163,9 +179,9 @@ pub fn flaws(world: &World, course: &Course) -> Flaws {
     Flaws { lack: -slack, place, bend }
 }
 
-/// Largest curvature among eight places of every span, 1/mm.
+/// Largest curvature among sixteen places of every span, 1/mm.
 pub fn tightest_curvature(curve: &crate::curve::Curve) -> f64 {
-    const PLACES: usize = 8;
+    const PLACES: usize = 16;
     let at = |w: &[f64], k: usize| curve.jet(w[0] + (w[1] - w[0]) * k as f64 / PLACES as f64).curvature();
     let spans = curve.breaks();
     spans.windows(2).fold(0.0f64, |most, w| (0..=PLACES).fold(most, |most, k| most.max(at(w, k))))

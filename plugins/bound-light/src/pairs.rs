@@ -4,7 +4,7 @@ use crate::params::{Effort, Params};
 use fibar_core::artefact::bounds::Target;
 use fibar_core::artefact::mesh::TriangleMesh;
 use fibar_core::artefact::sockets::{Socket, Sockets};
-use fibar_geometry::alone::{AloneOptions, World, best, promising_starts};
+use fibar_geometry::alone::{AloneOptions, World, find};
 use fibar_geometry::bound::LeastLoss;
 use fibar_geometry::course::nodes::Tables;
 use fibar_geometry::course::{Ends, Freedom};
@@ -99,6 +99,5 @@ fn best_light(
         Effort::Normal => (2, AloneOptions { span: 7.5, iterations: 120, rounds: 6 }),
         Effort::Thorough => (usize::MAX, AloneOptions { span: 6.0, iterations: 500, rounds: 8 }),
     };
-    let starts = promising_starts(world, ends, ways, keep, &options);
-    best(world, ends, &starts, &options).map_or(0.0, |alone| alone.throughput.d_cam_mm)
+    find(world, ends, ways, keep, &options).map_or(0.0, |alone| alone.throughput.d_cam_mm)
 }

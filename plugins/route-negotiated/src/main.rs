@@ -6,7 +6,9 @@
 mod gaps;
 mod inspect;
 mod joint;
+mod misfit;
 mod mouths;
+mod neck;
 mod negotiate;
 mod nets;
 mod params;

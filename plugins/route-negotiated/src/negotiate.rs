@@ -8,11 +8,12 @@
 
 use crate::inspect::Faults;
 use crate::joint::{Apart, Strand, settle};
+use crate::misfit::{self, Misfit};
 use crate::mouths;
 use crate::nets::Net;
-use crate::params::{Effort, Params};
+use crate::params::{Effort, OnMisfit, Params};
 use crate::reroute::{self, Reroute, loss_of};
-use fibar_geometry::alone::{World, best, promising_starts};
+use fibar_geometry::alone::{World, find};
 use fibar_geometry::course::costs::Limits;
 use fibar_geometry::course::{Course, Freedom};
 use fibar_geometry::minimise::MinimiseOptions;
@@ -46,25 +47,60 @@ pub fn route(
     if courses.len() < nets.len() {
         let missing: Vec<String> = (0..nets.len())
             .filter(|k| courses.iter().all(|(net, _)| net != k))
-            .map(|k| nets[k].marker.to_string())
+            .map(|k| format!("marker {} from LED {}", nets[k].marker, nets[k].led))
             .collect();
-        return Err(StageError::input(format!("no fibre reaches markers {}", missing.join(", "))));
+        let message = format!("no fibre reaches {}", missing.join(", "));
+        if params.on_misfit == OnMisfit::Refuse {
+            return Err(misfit::unreachable(world, &message));
+        }
+        job.log("warn", &format!("{message}: left out"));
     }
-    let mut strands: Vec<Strand> =
-        courses.iter().map(|(net, course)| strand(&nets[*net], course, params)).collect();
-    place_mouths(&mut strands, params);
-    make_room(world, &mut strands, params, job)?;
-    if !finish(world, &mut strands, params, job)? {
+    fit(world, nets, courses, params, job)
+}
+
+/// Routes the courses given; where they do not fit, says why or leaves some out.
+fn fit(
+    world: &World,
+    nets: &[Net],
+    mut courses: Vec<(usize, Course)>,
+    params: &Params,
+    job: &mut Job,
+) -> Result<Outcome, StageError> {
+    loop {
+        job.progress(0.25, "necks")?;
+        if let Some(misfit) = Misfit::of_neck(world, nets, &courses, params) {
+            give_way(misfit, nets, &mut courses, params, job)?;
+            continue;
+        }
+        let mut strands: Vec<Strand> =
+            courses.iter().map(|(net, course)| strand(&nets[*net], course, params)).collect();
+        place_mouths(&mut strands, params);
+        make_room(world, &mut strands, params, job)?;
+        if finish(world, &mut strands, params, job)? {
+            polish(world, &mut strands, params);
+            let routed = courses.iter().zip(strands).map(|((net, _), strand)| (*net, strand.course));
+            return Ok(Outcome { courses: routed.collect() });
+        }
         let faults = Faults::of(world, &strands, params.apart());
-        return Err(StageError::input(format!(
-            "the fibres do not fit: {} pairs of them stay too close, {} fibres break a limit",
-            faults.contacts.len(),
-            faults.flaws.iter().filter(|f| !f.none()).count()
-        )));
+        give_way(Misfit::of_faults(nets, &courses, &faults, params), nets, &mut courses, params, job)?;
     }
-    polish(world, &mut strands, params);
-    let courses = courses.iter().zip(strands).map(|((net, _), strand)| (*net, strand.course)).collect();
-    Ok(Outcome { courses })
+}
+
+/// Refuses, or leaves out what does not fit; something always remains.
+fn give_way(
+    misfit: Misfit,
+    nets: &[Net],
+    courses: &mut Vec<(usize, Course)>,
+    params: &Params,
+    job: &mut Job,
+) -> Result<(), StageError> {
+    let keeps = |net: usize| !misfit.leave_out.contains(&nets[net].marker);
+    if params.on_misfit == OnMisfit::Refuse || !courses.iter().any(|(net, _)| keeps(*net)) {
+        return Err(misfit.error());
+    }
+    job.log("warn", &misfit.dropping());
+    courses.retain(|(net, _)| keeps(*net));
+    Ok(())
 }
 
 fn each_alone(world: &World, passages: &Passages, nets: &[Net], params: &Params) -> Vec<Option<Course>> {
@@ -77,8 +113,8 @@ fn each_alone(world: &World, passages: &Passages, nets: &[Net], params: &Params)
     let (keep, options) = params.alone();
     nets.par_iter()
         .map(|net| {
-            let starts = promising_starts(world, net.ends, ways[&net.led].as_ref(), keep, &options);
-            best(world, net.ends, &starts, &options).map(|alone| alone.course)
+            let found = find(world, net.ends, ways[&net.led].as_ref(), keep, &options);
+            found.map(|alone| alone.course)
         })
         .collect()
 }
@@ -160,9 +196,9 @@ fn make_room(
 
 /// Moves what breaks a limit until nothing does, all else held; whether that came to an end.
 fn finish(world: &World, strands: &mut [Strand], params: &Params, job: &mut Job) -> Result<bool, StageError> {
-    const ROUNDS: u32 = 16;
+    const ROUNDS: u32 = 20;
     let steps = MinimiseOptions { iterations: 100, least_gain: 1e-4, patience: 10, longest_step: 1.0 };
-    let apart = Apart { distance: params.apart() + APART_MARGIN, weight: 3.0 };
+    let apart = Apart { distance: params.apart() + APART_MARGIN, weight: 4.0 };
     for round in 0..ROUNDS {
         job.progress(0.8 + 0.15 * f64::from(round) / f64::from(ROUNDS), "limits")?;
         let faults = Faults::of(world, strands, params.apart());
@@ -196,17 +232,17 @@ fn urge(strands: &mut [Strand], faults: &Faults, apart: f64) {
     for (strand, flaws) in strands.iter_mut().zip(&faults.flaws).filter(|(_, flaws)| !flaws.none()) {
         if flaws.lack > 0.0 {
             strand.watched.push(flaws.place);
-            strand.limits.wall_margin = (strand.limits.wall_margin + flaws.lack.min(0.1)).min(0.6);
-            strand.limits.wall_weight = (4.0 * strand.limits.wall_weight).min(300.0);
+            strand.limits.wall_margin = (strand.limits.wall_margin + 0.5 * flaws.lack.min(0.06)).min(0.15);
+            strand.limits.wall_weight = (3.0 * strand.limits.wall_weight).min(40.0);
         }
         if flaws.bend > 0.0 {
-            strand.limits.bend_weight = (4.0 * strand.limits.bend_weight).min(800.0);
+            strand.limits.bend_weight = (4.0 * strand.limits.bend_weight).min(200.0);
             strand.limits.curvature /= 1.0 + flaws.bend.min(0.02);
         }
     }
     for contact in &faults.contacts {
         for k in contact.strands {
-            strands[k].margin = (strands[k].margin + 0.5 * (apart - contact.distance).min(0.1)).min(0.3);
+            strands[k].margin = (strands[k].margin + 0.25 * (apart - contact.distance).min(0.1)).min(0.06);
         }
     }
 }
