@@ -9,13 +9,13 @@ use std::process::Command;
 pub fn run(checkout: &Checkout, words: &[&str]) -> Result<(), Failure> {
     let full = words.contains(&"--full");
     let filters: Vec<&str> = words.iter().copied().filter(|w| *w != "--full").collect();
+    if filters.is_empty() {
+        tidy::check_architecture(checkout)?;
+    }
     let peers = peers::ensure(checkout)?;
     plugins::compile_all(checkout)?;
     let mut tests = cargo_test(checkout);
     tests.arg("--no-fail-fast").env("FIBAR_PEERS", peers);
-    if filters.is_empty() {
-        tidy::check_architecture(checkout)?;
-    }
     if full {
         tests.env("FIBAR_TEST_FULL", "1");
     }
