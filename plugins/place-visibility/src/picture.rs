@@ -16,6 +16,9 @@ const PANEL_PX: usize = 480;
 /// Radius of a candidate, mm.
 const CANDIDATE: f64 = 0.9;
 
+/// Two corners and the top of the object.
+const LOOKS: [DVec3; 3] = [DVec3::new(1.0, 1.0, -0.6), DVec3::new(-1.0, -1.0, -0.6), DVec3::NEG_Z];
+
 /// Three views of the rated samples.
 pub fn draw(body: &TriangleMesh, samples: &[SurfaceSample], suitability: &[f64], sites: &Sites) -> Vec<u8> {
     let rated = || suitability.iter().copied().filter(|&s| s > 0.0);
@@ -25,8 +28,8 @@ pub fn draw(body: &TriangleMesh, samples: &[SurfaceSample], suitability: &[f64],
     // Dots a little wider than the square that a sample stands for leave no gaps.
     let dot = 0.8 * (surface_area(body) / samples.len().max(1) as f64).sqrt();
     let mut canvas = Canvas::new(3 * PANEL_PX, PANEL_PX + LINE_PX);
-    for (k, toward) in [DVec3::Y, DVec3::NEG_X, DVec3::NEG_Z].into_iter().enumerate() {
-        let mut drawing = Drawing::new(View::new(toward, bounds, 2 * PANEL_PX));
+    for (k, toward) in LOOKS.into_iter().enumerate() {
+        let mut drawing = Drawing::new(View::new(toward.normalize(), bounds, 2 * PANEL_PX));
         for (sample, &s) in samples.iter().zip(suitability) {
             // Sunk, so that the dots make a surface and not a skin of pearls.
             drawing.ball(sample.position - sample.normal * (0.7 * dot), dot, colour(s));
