@@ -161,6 +161,7 @@ fn index_of(sight: &Sight, constellation: &Constellation) -> Result<usize, Stage
 fn report_metrics(summary: &Summary, params: &Params, job: &mut Job) {
     let (worst, dim) = (summary.worst(), summary.worst_coupled());
     let coupled = Sight::coupled_d_cam_mm;
+    job.metric("light.fibres", summary.sights.len() as f64, "1");
     job.metric("light.mean_d_cam_mm", summary.mean(|s| s.d_cam_mm), "mm");
     job.metric("light.mean_d_cam_uncertainty_mm", summary.mean_uncertainty_mm(params), "mm");
     job.metric("light.p10_d_cam_mm", summary.tenth_percentile(|s| s.d_cam_mm), "mm");

@@ -10,18 +10,18 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// Objects with a recipe of ours and one of the paper's stages; further ones named `hourglass…` are found.
-const OBJECTS: [&str; 3] = ["wavy-cone", "building", "bunny"];
+const OBJECTS: [&str; 3] = ["bunny", "wavy-cone", "building"];
 
 /// Our router and the paper's.
 const OURS: &str = "route-negotiated";
 const PAPERS: &str = "route-fibar";
 
 /// Mean detection distances that the paper reports: initial, optimised, mm.
-const REPORTED: [[f64; 2]; 3] = [[1618.7, 2028.2], [868.4, 1407.9], [843.0, 1543.0]];
+const REPORTED: [[f64; 2]; 3] = [[843.0, 1543.0], [1618.7, 2028.2], [868.4, 1407.9]];
 
 /// Columns: head, metric, digits after the point.
 const COLUMNS: [(&str, &str, usize); 15] = [
-    ("fibres", "place.markers", 0),
+    ("fibres", "light.fibres", 0),
     ("mean d_cam", "light.mean_d_cam_mm", 1),
     ("p10", "light.p10_d_cam_mm", 1),
     ("coupled mean", "light.mean_d_cam_coupled_mm", 1),
@@ -38,12 +38,6 @@ const COLUMNS: [(&str, &str, usize); 15] = [
     ("least bend", "clearance.min_bend_radius_mm", 2),
 ];
 
-/// What a build of one chain measured.
-struct Row {
-    name: String,
-    outcome: Result<Measured, String>,
-}
-
 /// Metrics, and the seconds of the route.
 struct Measured {
     metrics: Value,
@@ -52,31 +46,27 @@ struct Measured {
 
 pub fn run() {
     let folder = checkout().join("target/bench-routing");
-    let rows: Vec<Row> = OBJECTS.iter().flat_map(|object| measure(&folder, object)).collect();
-    let hourglasses = hourglasses().into_iter().map(|object| ours(&folder, &object));
-    print_light(&rows.into_iter().chain(hourglasses).collect::<Vec<_>>());
+    print_heads();
+    for object in OBJECTS {
+        let paper = Recipe::read(&checkout().join(format!("recipes/paper/{object}.toml")));
+        let rerouted = paper.clone().map(|recipe| recipe.replaced(PAPERS, OURS));
+        measure(&folder, object, "the paper's chain", paper);
+        measure(&folder, object, "its markers, our router", rerouted);
+        measure_ours(&folder, object);
+    }
+    hourglasses().iter().for_each(|object| measure_ours(&folder, object));
     print_reported(&folder);
 }
 
-fn measure(folder: &Path, object: &str) -> Vec<Row> {
-    let paper = checkout().join(format!("recipes/paper/{object}.toml"));
-    let chain = |name: &str, change: &dyn Fn(Recipe) -> Recipe| Row {
-        name: format!("{object}: {name}"),
-        outcome: Recipe::read(&paper).and_then(|recipe| build(folder, object, name, change(recipe))),
-    };
-    vec![
-        chain("the paper's chain", &|recipe| recipe),
-        chain("its markers, our router", &|recipe| recipe.replaced(PAPERS, OURS)),
-        ours(folder, object),
-    ]
+fn measure_ours(folder: &Path, object: &str) {
+    let recipe = Recipe::read(&checkout().join(format!("recipes/{object}.toml")));
+    measure(folder, object, "ours", recipe);
 }
 
-fn ours(folder: &Path, object: &str) -> Row {
-    let recipe = Recipe::read(&checkout().join(format!("recipes/{object}.toml")));
-    Row {
-        name: format!("{object}: ours"),
-        outcome: recipe.and_then(|recipe| build(folder, object, "ours", recipe)),
-    }
+/// Builds one chain and prints its row.
+fn measure(folder: &Path, object: &str, chain: &str, recipe: Result<Recipe, String>) {
+    let outcome = recipe.and_then(|recipe| build(folder, object, chain, recipe));
+    print_row(&format!("{object}: {chain}"), &outcome);
 }
 
 fn hourglasses() -> Vec<String> {
@@ -125,22 +115,23 @@ fn read(built: &Path) -> Result<Measured, String> {
     Ok(Measured { metrics, route_s })
 }
 
-fn print_light(rows: &[Row]) {
+fn print_heads() {
     println!(
         "Distances in mm, by verify-light and verify-clearance. Time of the route's process when it ran on this machine.\n"
     );
     let heads: Vec<&str> = COLUMNS.iter().map(|(head, _, _)| *head).collect();
     println!("| chain | route | {} |", heads.join(" | "));
     println!("| --- {}|", "| --- ".repeat(COLUMNS.len() + 1));
-    for Row { name, outcome } in rows {
-        match outcome {
-            Ok(measured) => {
-                let cells: Vec<String> =
-                    COLUMNS.iter().map(|(_, metric, digits)| measured.cell(metric, *digits)).collect();
-                println!("| {name} | {:.1} s | {} |", measured.route_s, cells.join(" | "));
-            }
-            Err(reason) => println!("| {name} | not measured: {reason} |"),
+}
+
+fn print_row(name: &str, outcome: &Result<Measured, String>) {
+    match outcome {
+        Ok(measured) => {
+            let cell = |(_, metric, digits): &(&str, &str, usize)| measured.cell(metric, *digits);
+            let cells: Vec<String> = COLUMNS.iter().map(cell).collect();
+            println!("| {name} | {:.1} s | {} |", measured.route_s, cells.join(" | "));
         }
+        Err(reason) => println!("| {name} | not measured: {reason} |"),
     }
 }
 
