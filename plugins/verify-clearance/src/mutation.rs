@@ -43,7 +43,7 @@ fn params() -> Params {
 fn routing() -> Vec<Vec<DVec3>> {
     let fibre = |k: usize| {
         let x = 9.0 * (k as f64 - 2.0);
-        let swing = if k % 2 == 0 { 8.0 } else { -8.0 };
+        let swing = if k.is_multiple_of(2) { 8.0 } else { -8.0 };
         let point = |j: usize| {
             let share = j as f64 / (POINTS - 1) as f64;
             let smooth = share * share * (3.0 - 2.0 * share);

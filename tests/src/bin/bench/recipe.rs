@@ -47,13 +47,15 @@ impl Recipe {
         self
     }
 
-    /// The stages up to the route and what measures it, with bounds of the markers' own. At quick effort these are a per cent
-    /// or two low, and shares of them as much too high.
+    /// The stages up to the route and what measures it, with bounds if there are none. At quick effort, as in our recipes,
+    /// these are a per cent or two low, and shares of them as much too high.
     pub fn for_routing(mut self) -> Recipe {
         self.stages.retain(|stage| !NOT_ROUTING.iter().any(|prefix| plugin(stage).starts_with(prefix)));
-        let route = self.stages.iter().position(|stage| plugin(stage).starts_with("route-"));
-        let bounds = "id = \"bounds-of-markers\"\nuse = \"bound-light\"\neffort = \"quick\"\n".to_owned();
-        self.stages.insert(route.unwrap_or(self.stages.len()), bounds);
+        if !self.stages.iter().any(|stage| plugin(stage) == "bound-light") {
+            let route = self.stages.iter().position(|stage| plugin(stage).starts_with("route-"));
+            let bounds = "use = \"bound-light\"\neffort = \"quick\"\n".to_owned();
+            self.stages.insert(route.unwrap_or(self.stages.len()), bounds);
+        }
         self
     }
 
