@@ -54,7 +54,9 @@ fn find(text: &str, folder: &Path) -> PathBuf {
         return folder.join(text);
     }
     let file = format!("{text}.toml");
-    let above = std::path::absolute(folder).unwrap_or(folder.to_owned());
+    // A recipe named by its file alone lies in the folder "", which has no absolute path.
+    let here = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    let above = std::path::absolute(here).unwrap_or(folder.to_owned());
     let candidates = above.ancestors().map(|folder| folder.join("profiles").join(&file));
     candidates.into_iter().find(|path| path.is_file()).unwrap_or(folder.join("profiles").join(file))
 }

@@ -10,8 +10,8 @@ use fibar_picture::colour::{Colour, scale};
 use fibar_plugin::StageError;
 use glam::DVec3;
 
-/// Points per span of the curve.
-const POINTS: u32 = 4;
+/// Distance between neighbouring points of a tube, at most, mm.
+const SPACING_MM: f64 = 0.8;
 
 /// Decibels per cm of an absorption of 1 per mm: `10·log10(e)·10`.
 const DB_PER_CM: f64 = 43.429_448_190_325_18;
@@ -37,8 +37,9 @@ impl Tube {
         };
         let breaks = curve.breaks();
         let inner = breaks.windows(2).flat_map(|span| {
-            let (from, width) = (span[0], (span[1] - span[0]) / f64::from(POINTS));
-            (0..POINTS).map(move |k| from + (f64::from(k) + 0.5) * width)
+            let points = (curve.length_between(span[0], span[1]) / SPACING_MM).clamp(1.0, 1e4).ceil();
+            let (from, width) = (span[0], (span[1] - span[0]) / points);
+            (0..points as u32).map(move |k| from + (f64::from(k) + 0.5) * width)
         });
         let (first, last) = curve.domain();
         let places = std::iter::once(first).chain(inner).chain(std::iter::once(last)).map(at).collect();
