@@ -4,7 +4,7 @@
 name below by `parameters = { ... }`. build123d 0.13.
 """
 
-from build123d import Align, Box, Location, Part
+from build123d import Align, Box, Color, Compound, Location, Part
 
 depth_mm = 87.0         # along x, over the ledges
 width_mm = 152.0        # along y
@@ -63,12 +63,15 @@ def main():
     house = slab(depth_mm, width_mm, 0.0, plinth_mm)
     for k in range(storeys):
         house += storey(depth_mm, width_mm, plinth_mm + k * storey_mm, plinth_mm + (k + 1) * storey_mm)
+    house -= door()
+    roof = Part()
     step = (height_mm - eaves) / 2.0
     for k in (1, 2):
         inset = 2.0 * k * step_inset_mm
-        house += storey(depth_mm - inset, width_mm - inset, eaves + (k - 1) * step, eaves + k * step)
-    return house - door()
+        roof += storey(depth_mm - inset, width_mm - inset, eaves + (k - 1) * step, eaves + k * step)
+    house.label, house.color = "house", Color(0.87, 0.80, 0.68)
+    roof.label, roof.color = "roof", Color(0.55, 0.24, 0.18)
+    return Compound(label="building", children=[house, roof])
 
 
 result = main()
-result.label = "building"

@@ -6,6 +6,7 @@
 
 use super::ArtefactError;
 use glam::DVec3;
+use std::collections::HashMap;
 
 /// Vertices and counter-clockwise triangles that index them.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -39,6 +40,28 @@ impl TriangleMesh {
             a.dot(b.cross(c)) / 6.0
         };
         triangles.map(of).sum()
+    }
+
+    /// The same with corners of exactly equal coordinates shared, in the order of their first use; triangles that collapse are
+    /// left out. Nothing is snapped.
+    pub fn welded(&self) -> TriangleMesh {
+        let mut welded = TriangleMesh::default();
+        let mut known: HashMap<[u64; 3], u32> = HashMap::with_capacity(self.vertices.len());
+        for triangle in &self.triangles {
+            let corners = triangle.map(|v| {
+                // −0 and 0 are the same place.
+                let corner = self.vertices[v as usize] + DVec3::ZERO;
+                let next = welded.vertices.len() as u32;
+                *known.entry(corner.to_array().map(f64::to_bits)).or_insert_with(|| {
+                    welded.vertices.push(corner);
+                    next
+                })
+            });
+            if corners[0] != corners[1] && corners[1] != corners[2] && corners[2] != corners[0] {
+                welded.triangles.push(corners);
+            }
+        }
+        welded
     }
 
     /// Writes the mesh.

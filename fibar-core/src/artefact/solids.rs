@@ -30,6 +30,12 @@ pub struct Solid {
     pub led: Option<LedId>,
     /// Pattern that it carries; none for skin and filler.
     pub pattern: Option<PatternId>,
+    /// The user's name for the part of the object that it is a piece of; only skin and filler are divided by parts.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub part: Option<String>,
+    /// Colour of that part: red, green, blue (sRGB) and opacity from 0 to 1.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub colour: Option<[f64; 4]>,
     /// Its PLY file, beside the index.
     pub file: String,
     /// Enclosed volume, mm³, as its maker computed it.
@@ -44,11 +50,12 @@ impl Solids {
 }
 
 impl Solid {
-    /// A name for people and slicers: `core-led0`, `skin`.
+    /// A name for people and slicers: `core-led0`, `skin`, `tower / skin`.
     pub fn name(&self) -> String {
-        match self.led {
-            Some(led) => format!("{}-led{led}", self.role.name()),
-            None => self.role.name().to_string(),
+        match (self.led, &self.part) {
+            (Some(led), _) => format!("{}-led{led}", self.role.name()),
+            (None, Some(part)) => format!("{part} / {}", self.role.name()),
+            (None, None) => self.role.name().to_string(),
         }
     }
 }

@@ -4,12 +4,16 @@
 //! implementation rejects. `tests/peers/check_lib3mf.py` and `check_prusa.py` hold the results against other people's
 //! readers. docs/export.md tells the two profiles apart.
 
+mod material_list;
 mod model;
+mod names;
 mod package;
 mod part;
 mod precision;
 mod slicer_config;
 
+use fibar_core::artefact::Document;
+use fibar_core::artefact::parts::Parts;
 use fibar_plugin::{Description, Job, Stage, StageError, serve};
 use part::Part;
 
@@ -22,6 +26,8 @@ struct Params {
     /// Where the middle of the object stands on the bed, x and y.
     #[schemars(extend("unit" = "mm"))]
     bed_position_mm: [f64; 2],
+    /// Names of the user's parts may get lost; otherwise that is an error.
+    lose_names: bool,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
@@ -33,7 +39,7 @@ enum Profile {
 
 impl Default for Params {
     fn default() -> Params {
-        Params { profile: Profile::Spec, bed_position_mm: [125.0, 105.0] }
+        Params { profile: Profile::Spec, bed_position_mm: [125.0, 105.0], lose_names: false }
     }
 }
 
@@ -55,12 +61,16 @@ impl Stage for Export3mf {
         Description::new("export-3mf", "Writes the solids as one 3MF file for multi-material printing.")
             .version(env!("CARGO_PKG_VERSION"))
             .input("solids", "solids", "The closed solids.")
+            .optional_input("parts", "parts", "The user's parts, whose names must all be on solids.")
             .published("3mf", "3mf", "object.3mf", "The package; object-prusa.3mf for the profile `prusa`.")
             .memory_mb(2048)
     }
 
     fn run(params: Params, job: &mut Job) -> Result<(), StageError> {
         let parts = part::read_all(&job.input_path("solids")?)?;
+        if let Some(named) = job.read_optional("parts")?.filter(|_| !params.lose_names) {
+            names::check(&Parts::from_json(&named)?, &parts)?;
+        }
         job.progress(0.2, "model")?;
         let placement = place(&parts, params.bed_position_mm);
         let mut files = vec![match params.profile {

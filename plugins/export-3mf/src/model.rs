@@ -1,9 +1,10 @@
 //! `3D/3dmodel.model`: the XML of the core specification.
 
+use crate::material_list::{Base, bases, index};
+use crate::names::escape;
 use crate::package::PackedFile;
 use crate::part::Part;
 use crate::precision::SingleMesh;
-use fibar_core::material::Role;
 use rayon::prelude::*;
 use std::fmt::Write;
 
@@ -21,10 +22,12 @@ const SLIC3R_VERSION: &str = r#"<metadata name="slic3rpe:Version3mf">1</metadata
 
 /// One object per part, with its base material, and one object that holds them all as components.
 pub fn of_components(parts: &[Part], shift: [f64; 3]) -> PackedFile {
-    let objects: Vec<String> =
-        parts.par_iter().enumerate().map(|(k, part)| object(FIRST_OBJECT + k, part)).collect();
+    let bases = bases(parts);
+    let objects =
+        parts.par_iter().enumerate().map(|(k, part)| object(FIRST_OBJECT + k, part, index(part, &bases)));
+    let objects: Vec<String> = objects.collect();
     let whole = FIRST_OBJECT + parts.len();
-    let mut xml = opening("", "");
+    let mut xml = opening("", "", &bases);
     xml.extend(objects);
     let _ = write!(xml, r#"<object id="{whole}" type="model" name="{NAME}"><components>"#);
     for k in 0..parts.len() {
@@ -38,6 +41,7 @@ pub fn of_components(parts: &[Part], shift: [f64; 3]) -> PackedFile {
 /// One object with the meshes of all parts after each other, each triangle with its base material; the ranges are in
 /// [`crate::slicer_config`].
 pub fn of_volumes(parts: &[Part], shift: [f64; 3]) -> PackedFile {
+    let bases = bases(parts);
     let starts = parts.iter().scan(0, |next, part| {
         let start = *next;
         *next += part.mesh.vertices.len() as u32;
@@ -46,11 +50,11 @@ pub fn of_volumes(parts: &[Part], shift: [f64; 3]) -> PackedFile {
     let starts: Vec<u32> = starts.collect();
     let vertices: Vec<String> = parts.par_iter().map(|part| vertices(&part.mesh)).collect();
     let triangle_lists = parts.par_iter().zip(&starts).map(|(part, start)| {
-        let material = format!(r#" pid="{MATERIALS}" p1="{}""#, part.material_index());
+        let material = format!(r#" pid="{MATERIALS}" p1="{}""#, index(part, &bases));
         triangles(&part.mesh, *start, &material)
     });
     let triangle_lists: Vec<String> = triangle_lists.collect();
-    let mut xml = opening(SLIC3R, SLIC3R_VERSION);
+    let mut xml = opening(SLIC3R, SLIC3R_VERSION, &bases);
     let _ = write!(
         xml,
         r#"<object id="{FIRST_OBJECT}" type="model" name="{NAME}" pid="{MATERIALS}" pindex="0"><mesh><vertices>"#
@@ -63,13 +67,12 @@ pub fn of_volumes(parts: &[Part], shift: [f64; 3]) -> PackedFile {
     PackedFile { name: "3D/3dmodel.model", text: xml }
 }
 
-fn opening(namespaces: &str, metadata: &str) -> String {
+fn opening(namespaces: &str, metadata: &str, bases: &[Base]) -> String {
     let mut xml = String::from("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n");
     let _ = write!(xml, r#"<model unit="millimeter" xml:lang="en-US" xmlns="{CORE}"{namespaces}>"#);
     let _ = write!(xml, "\n{metadata}<resources><basematerials id=\"{MATERIALS}\">");
-    for role in Role::ALL {
-        let [r, g, b, a] = role.material().colour_srgba;
-        let name = format!("{}: {}", role.name(), role.material().name);
+    for Base { name, colour: [r, g, b, a] } in bases {
+        let name = escape(name);
         let _ = write!(xml, r##"<base name="{name}" displaycolor="#{r:02X}{g:02X}{b:02X}{a:02X}"/>"##);
     }
     xml.push_str("</basematerials>\n");
@@ -82,8 +85,8 @@ fn closing(object: usize, [x, y, z]: [f64; 3]) -> String {
     )
 }
 
-fn object(id: usize, part: &Part) -> String {
-    let (name, material) = (&part.name, part.material_index());
+fn object(id: usize, part: &Part, material: usize) -> String {
+    let name = escape(&part.name);
     let mut xml =
         format!(r#"<object id="{id}" type="model" name="{name}" pid="{MATERIALS}" pindex="{material}">"#);
     xml.push_str("<mesh><vertices>");
@@ -116,6 +119,7 @@ fn triangles(mesh: &SingleMesh, start: u32, material: &str) -> String {
 mod tests {
     use super::*;
     use crate::part::tests::tetrahedron;
+    use fibar_core::material::Role;
 
     #[track_caller]
     fn check(xml: &str, counts: &[(&str, usize)]) {

@@ -11,10 +11,14 @@ use std::path::Path;
 
 /// One solid with its mesh in single precision.
 pub struct Part {
-    /// `core-led0`, `skin`, …
+    /// `core-led0`, `skin`, `tower / skin`, …
     pub name: String,
     /// Decides material and extruder.
     pub role: Role,
+    /// The user's part that it is a piece of.
+    pub label: Option<String>,
+    /// Colour of that part: red, green, blue (sRGB) and opacity from 0 to 1.
+    pub colour: Option<[f64; 4]>,
     /// The mesh.
     pub mesh: SingleMesh,
 }
@@ -33,12 +37,18 @@ pub fn read_all(tree: &Path) -> Result<Vec<Part>, StageError> {
 
 fn read(tree: &Path, solid: &Solid) -> Result<Part, StageError> {
     let mesh = TriangleMesh::from_ply(&std::fs::read(tree.join(&solid.file))?)?;
-    Ok(Part { name: solid.name(), role: solid.role, mesh: SingleMesh::of(&mesh) })
+    Ok(Part {
+        name: solid.name(),
+        role: solid.role,
+        label: solid.part.clone(),
+        colour: solid.colour,
+        mesh: SingleMesh::of(&mesh),
+    })
 }
 
 impl Part {
-    /// Place of the role among the base materials.
-    pub fn material_index(&self) -> usize {
+    /// Place of the role among all.
+    pub fn role_index(&self) -> usize {
         Role::ALL.iter().position(|role| *role == self.role).expect("ALL holds every role")
     }
 }
@@ -54,6 +64,7 @@ pub mod tests {
     pub fn tetrahedron(role: Role) -> Part {
         let vertices = vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::new(0.1, 0.25, 1.5)];
         let triangles = vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
-        Part { name: role.name().into(), role, mesh: SingleMesh::of(&TriangleMesh { vertices, triangles }) }
+        let mesh = SingleMesh::of(&TriangleMesh { vertices, triangles });
+        Part { name: role.name().into(), role, label: None, colour: None, mesh }
     }
 }

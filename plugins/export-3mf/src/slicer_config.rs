@@ -1,6 +1,7 @@
 //! `Metadata/Slic3r_PE_model.config`: which triangles are which volume, and its extruder.
 
 use crate::model::{FIRST_OBJECT, NAME};
+use crate::names::escape;
 use crate::package::PackedFile;
 use crate::part::Part;
 use std::fmt::Write;
@@ -23,10 +24,10 @@ pub fn of(parts: &[Part]) -> PackedFile {
 fn volume(part: &Part, first: usize, last: usize) -> String {
     let datum =
         |key: &str, value: &str| format!("   <metadata type=\"volume\" key=\"{key}\" value=\"{value}\"/>\n");
-    let extruder = (part.material_index() + 1).to_string();
+    let extruder = (part.role_index() + 1).to_string();
     format!(
         "  <volume firstid=\"{first}\" lastid=\"{last}\">\n{}{}{}  </volume>\n",
-        datum("name", &part.name),
+        datum("name", &escape(&part.name)),
         datum("volume_type", "ModelPart"),
         datum("extruder", &extruder)
     )

@@ -7,15 +7,13 @@ use crate::Shape;
 use fibar_core::artefact::mesh::TriangleMesh;
 use fibar_core::artefact::parts::{Part, Parts};
 use fibar_plugin::{Job, StageError};
-use glam::DVec3;
-use std::collections::HashMap;
 
 /// All solids as one mesh; corners are shared within a solid, never between two.
 pub fn join(shape: Shape, job: &mut Job) -> Result<(TriangleMesh, Parts), StageError> {
     let (mut whole, mut parts) = (TriangleMesh::default(), Vec::new());
     for solid in shape.solids {
         let name = name(&solid.label, parts.len());
-        let mut mesh = weld(&solid.mesh);
+        let mut mesh = solid.mesh.welded();
         let signed_volume = mesh.volume_of(0..mesh.triangles.len());
         if signed_volume < 0.0 {
             job.log("warn", &format!("{name} is inside out; turned round"));
@@ -54,28 +52,6 @@ fn name(label: &str, number: usize) -> String {
     if label.is_empty() { format!("solid {}", number + 1) } else { format!("solid {} ({label})", number + 1) }
 }
 
-/// Shares corners of exactly equal coordinates, in the order of their first use; triangles that collapse are left out.
-fn weld(mesh: &TriangleMesh) -> TriangleMesh {
-    let mut welded = TriangleMesh::default();
-    let mut known: HashMap<[u64; 3], u32> = HashMap::with_capacity(mesh.vertices.len());
-    for triangle in &mesh.triangles {
-        let corners = triangle.map(|v| {
-            // −0 and 0 are the same place.
-            let corner = mesh.vertices[v as usize] + DVec3::ZERO;
-            let next =
-                u32::try_from(welded.vertices.len()).expect("there are no more corners than before welding");
-            *known.entry(corner.to_array().map(f64::to_bits)).or_insert_with(|| {
-                welded.vertices.push(corner);
-                next
-            })
-        });
-        if corners[0] != corners[1] && corners[1] != corners[2] && corners[2] != corners[0] {
-            welded.triangles.push(corners);
-        }
-    }
-    welded
-}
-
 /// Directed edges whose opposite does not occur exactly as often, or that occur more than once; sorted.
 fn open_edges(mesh: &TriangleMesh) -> Vec<(u32, u32)> {
     let mut edges: Vec<(u32, u32)> =
@@ -101,6 +77,7 @@ fn append(whole: &mut TriangleMesh, mesh: TriangleMesh) -> Result<(), StageError
 #[cfg(test)]
 mod tests {
     use super::*;
+    use glam::DVec3;
 
     /// A cube of side 2 around the origin, every triangle with corners of its own.
     fn loose_cube() -> TriangleMesh {
@@ -115,7 +92,7 @@ mod tests {
 
     #[test]
     fn loose_faces_become_a_watertight_solid() {
-        let cube = weld(&loose_cube());
+        let cube = loose_cube().welded();
         assert_eq!((cube.vertices.len(), cube.triangles.len()), (8, 12));
         assert_eq!(cube.volume_of(0..12), 8.0);
         assert_eq!(open_edges(&cube), []);
@@ -124,7 +101,7 @@ mod tests {
     #[test]
     fn holes_and_flipped_faces_are_open() {
         let check = |break_it: fn(&mut TriangleMesh), open: usize| {
-            let mut cube = weld(&loose_cube());
+            let mut cube = loose_cube().welded();
             break_it(&mut cube);
             assert_eq!(open_edges(&cube).len(), open);
         };
@@ -138,7 +115,7 @@ mod tests {
     fn minus_zero_is_zero_and_slivers_vanish() {
         let vertices =
             [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [-0.0, 0.0, -0.0]].map(DVec3::from).to_vec();
-        let mesh = weld(&TriangleMesh { vertices, triangles: vec![[0, 1, 2], [3, 2, 1], [0, 3, 1]] });
+        let mesh = TriangleMesh { vertices, triangles: vec![[0, 1, 2], [3, 2, 1], [0, 3, 1]] }.welded();
         assert_eq!(mesh.triangles, [[0, 1, 2], [0, 2, 1]]);
     }
 }

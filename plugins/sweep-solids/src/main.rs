@@ -10,6 +10,7 @@
 mod partition;
 
 mod layers;
+mod regions;
 mod socket;
 
 mod output;
@@ -22,6 +23,7 @@ use fibar_plugin::{Description, Job, Stage, StageError, serve};
 use fibar_solid::{Grid, InsetOptions, Solid, SolidError, inset};
 use layers::{LedTubes, sweep_all};
 use partition::{Partition, Room};
+use regions::Regions;
 
 fn main() -> std::process::ExitCode {
     serve::<SweepSolids>()
@@ -61,6 +63,12 @@ impl Stage for SweepSolids {
         .input("body", "body", "The closed body, mm.")
         .input("sockets", "sockets", "The LED sockets to cut out.")
         .input("routes", "routes", "The fibres, from LED to marker.")
+        .optional_input("mesh", "mesh", "The mesh that the parts belong to.")
+        .optional_input(
+            "parts",
+            "parts",
+            "Named parts: skin and filler are divided by them, and keep their names.",
+        )
         .output("solids", "solids", "A PLY file per solid, and their index.")
     }
 
@@ -69,6 +77,7 @@ impl Stage for SweepSolids {
         let sockets = Sockets::from_json(&job.read("sockets")?)?;
         let routes = Routes::from_json(&job.read("routes")?)?;
         let grid = Grid::exact_in_f32(extent(&body));
+        let regions = Regions::read(job, &body)?;
         let body =
             Solid::from_mesh(&body).map_err(|error| StageError::input(format!("the body: {error}")))?;
 
@@ -78,7 +87,7 @@ impl Stage for SweepSolids {
         let tubes = sweep_all(&routes, &sockets, params.chord_error_mm)?;
         report_bends(&tubes, job);
         job.progress(0.5, "sharing out")?;
-        let partition = Partition::of(&room, &tubes).map_err(internal)?;
+        let partition = Partition::of(&room, &tubes, &regions)?;
         report_collisions(&partition, job);
         job.progress(0.9, "writing")?;
         output::write(partition, params.skin_mm, grid, job)

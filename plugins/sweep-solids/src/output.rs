@@ -11,8 +11,10 @@ use std::path::Path;
 /// Writes the tree of solids.
 pub fn write(partition: Partition, skin_mm: f64, grid: Grid, job: &mut Job) -> Result<(), StageError> {
     let folder = job.create_tree("solids", "solids")?;
+    let files = files(&partition.parts);
+    let written = partition.parts.par_iter().zip(files);
     let written: Vec<(SolidEntry, usize)> =
-        partition.parts.par_iter().map(|part| write_part(part, grid, &folder)).collect::<Result<_, _>>()?;
+        written.map(|(part, file)| write_part(part, file, grid, &folder)).collect::<Result<_, _>>()?;
     job.metric("sweep.triangles", written.iter().map(|(_, triangles)| *triangles as f64).sum(), "1");
     job.metric("sweep.solids", written.len() as f64, "1");
     let entries = written.into_iter().map(|(entry, _)| entry).collect();
@@ -20,16 +22,37 @@ pub fn write(partition: Partition, skin_mm: f64, grid: Grid, job: &mut Job) -> R
     Ok(())
 }
 
+/// `core-led0.ply`, `skin.ply`; `skin-2.ply` for the skin of the second part: names of parts may be no file names.
+fn files(parts: &[Part]) -> Vec<String> {
+    let stem = |part: &Part| match part.owner {
+        Some((led, _)) => format!("{}-led{led}", part.role.name()),
+        None => part.role.name().to_string(),
+    };
+    let name =
+        |(k, part): (usize, &Part)| match parts[..k].iter().filter(|other| stem(other) == stem(part)).count()
+        {
+            0 => format!("{}.ply", stem(part)),
+            before => format!("{}-{}.ply", stem(part), before + 1),
+        };
+    parts.iter().enumerate().map(name).collect()
+}
+
 /// Writes one solid; returns its entry and number of triangles.
-fn write_part(part: &Part, grid: Grid, folder: &Path) -> Result<(SolidEntry, usize), StageError> {
+fn write_part(
+    part: &Part,
+    file: String,
+    grid: Grid,
+    folder: &Path,
+) -> Result<(SolidEntry, usize), StageError> {
     let mut entry = SolidEntry {
         role: part.role,
         led: part.owner.map(|(led, _)| led),
         pattern: part.owner.map(|(_, pattern)| pattern),
-        file: String::new(),
+        part: part.label.as_ref().and_then(|label| label.name.clone()),
+        colour: part.label.as_ref().and_then(|label| label.colour),
+        file,
         volume_mm3: 0.0,
     };
-    entry.file = format!("{}.ply", entry.name());
     let name = entry.name();
     let failed = |error| StageError::internal(format!("{name}: {error}"));
     let snapped = grid.snap_solid(&part.solid).map_err(failed)?;

@@ -9,12 +9,17 @@
 //! skin      = body − inset − sockets               filler = room − all black tubes
 //! ```
 //!
+//! Skin and filler are then divided by the user's parts (`regions.rs`); fibres run through all of them and stay whole.
+//!
 //! Every border between two solids is one surface, taken from the same mesh on both sides; nothing is compared by
 //! distance. Within an LED inner roles win; between LEDs the lower pattern does (pattern 1 carries the phase).
 
+use crate::internal;
 use crate::layers::LedTubes;
+use crate::regions::{Label, Regions};
 use fibar_core::id::{LedId, PatternId};
 use fibar_core::material::Role;
+use fibar_plugin::StageError;
 use fibar_solid::{Solid, SolidError};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -31,6 +36,8 @@ pub struct Part {
     pub role: Role,
     /// Whose fibres; none for skin and filler.
     pub owner: Option<(LedId, PatternId)>,
+    /// The user's part that it is a piece of.
+    pub label: Option<Label>,
     /// The solid.
     pub solid: Solid,
 }
@@ -65,14 +72,16 @@ impl Room {
 
 impl Partition {
     /// Shares the object out; `tubes` in order of patterns.
-    pub fn of(room: &Room, tubes: &[LedTubes]) -> Result<Partition, SolidError> {
+    pub fn of(room: &Room, tubes: &[LedTubes], regions: &Regions) -> Result<Partition, StageError> {
         let (filler, shares) = rayon::join(|| filler(room, tubes), || shares(room, tubes));
-        let mut parts = vec![
-            Part { role: Role::Skin, owner: None, solid: room.skin.clone() },
-            Part { role: Role::Filler, owner: None, solid: filler? },
-        ];
+        let filler = filler.map_err(internal)?;
+        let (skin, filler) =
+            rayon::join(|| regions.divide("skin", &room.skin), || regions.divide("filler", &filler));
+        let of_role = |role| move |(label, solid)| Part { role, owner: None, label, solid };
+        let mut parts: Vec<Part> = skin?.into_iter().map(of_role(Role::Skin)).collect();
+        parts.extend(filler?.into_iter().map(of_role(Role::Filler)));
         let mut collisions = Vec::new();
-        for share in shares? {
+        for share in shares.map_err(internal)? {
             parts.extend(share.parts);
             collisions.extend(share.collisions);
         }
@@ -108,7 +117,7 @@ fn share(room: &Room, led: &LedTubes, lower: &[LedTubes]) -> Result<Share, Solid
         }
     }
     let owned = if winners.is_empty() { claimed } else { claimed.subtract(winners)? };
-    let part = |role, solid| Part { role, owner: Some((led.led, led.pattern)), solid };
+    let part = |role, solid| Part { role, owner: Some((led.led, led.pattern)), label: None, solid };
     let parts = [
         part(Role::Core, led.core.intersect(&owned)?),
         part(Role::Cladding, led.cladding.intersect(&owned)?.subtract([&led.core])?),
@@ -183,7 +192,7 @@ mod tests {
         let volume = block().subtract([&holes]).unwrap().volume();
         let room = Room::new(block(), inside, holes).unwrap();
         let tubes = sweep_all(&Routes::new(fibres), &sockets(), 0.05).unwrap();
-        (volume, Partition::of(&room, &tubes).unwrap())
+        (volume, Partition::of(&room, &tubes, &Regions::default()).unwrap())
     }
 
     /// Parts fill the object, do not overlap, and are those named; collisions as (winner, loser).

@@ -5,6 +5,7 @@
 mod bad_input;
 mod bunny;
 mod checkouts;
+mod labels;
 mod optics;
 mod pebble;
 mod peers;

@@ -2,6 +2,7 @@
 
 mod engine;
 mod markers;
+mod meshes;
 mod peers;
 mod recipe;
 mod routing;
@@ -15,6 +16,9 @@ fn main() {
     }
     if wanted("markers") {
         markers::run();
+    }
+    if wanted("meshes") {
+        meshes::run();
     }
     if wanted("routing") {
         routing::run();
