@@ -17,8 +17,10 @@ fn recipe() -> String {
     let recipe = edit(recipe, "path = \"objects/pebble.obj\"", "path = \"house.step\"");
     let recipe = edit(recipe, "flatten_base_mm = 8.0", "flatten_base_mm = 0.0");
     let recipe = edit(recipe, "name = \"pebble\"", "name = \"house\"");
-    edit(recipe, "use = \"sweep-solids\"", "use = \"sweep-solids\"\nchord_error_mm = 0.2")
-        + "\n[[stage]]\nuse = \"verify-solids\"\nallow = [\"solids.min_wall\"]\n"
+    let profile = |name: &str| checkout().join("profiles").join(name).display().to_string() + ".toml";
+    let recipe = edit(recipe, "materials/vero-sup706", &profile("materials/vero-sup706"));
+    let recipe = edit(recipe, "cameras/tone2020", &profile("cameras/tone2020"));
+    recipe + "\n[[stage]]\nuse = \"verify-solids\"\nallow = [\"solids.min_wall\"]\n"
 }
 
 /// An interpreter that has build123d: that of the stage's own environment, which the store keeps.
