@@ -130,8 +130,15 @@ mod tests {
             .collect();
         let quads = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
         let triangles = quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
-        let solid =
-            Solid { role: Role::Filler, led: None, pattern: None, file: "box.ply".into(), volume_mm3: 0.0 };
+        let solid = Solid {
+            role: Role::Filler,
+            led: None,
+            pattern: None,
+            part: None,
+            colour: None,
+            file: "box.ply".into(),
+            volume_mm3: 0.0,
+        };
         Part { solid, mesh: TriangleMesh { vertices, triangles } }
     }
 
