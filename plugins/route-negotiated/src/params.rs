@@ -70,7 +70,7 @@ pub struct Params {
 }
 
 /// How hard to try.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Deserialize, serde::Serialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Effort {
     /// For a first look: a few per cent less light.
@@ -82,7 +82,7 @@ pub enum Effort {
 }
 
 /// What to do with markers whose fibres do not fit.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Deserialize, serde::Serialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum OnMisfit {
     /// An error that says where they do not fit, and what would.
