@@ -7,14 +7,14 @@ use std::fmt;
 #[derive(Clone, Debug, PartialEq)]
 pub struct ReadError {
     /// The part of a package, the object of a scene: what `place` counts in, where that is not the file itself.
-    pub part: Option<String>,
+    pub part: Option<Box<str>>,
     /// Where.
     pub place: Place,
     /// What.
-    pub message: String,
+    pub message: Box<str>,
     /// The rule of the 3MF core specification that is broken.
     pub rule: Option<Rule>,
-    hint: Option<String>,
+    hint: Option<Box<str>>,
 }
 
 /// A place in a file.
@@ -31,18 +31,18 @@ pub enum Place {
 impl ReadError {
     /// An error without a hint of its own.
     pub fn new(place: Place, message: impl Into<String>) -> ReadError {
-        ReadError { part: None, place, message: message.into(), rule: None, hint: None }
+        ReadError { part: None, place, message: message.into().into(), rule: None, hint: None }
     }
 
     /// The same, with what to try.
     pub fn try_this(mut self, hint: impl Into<String>) -> ReadError {
-        self.hint = Some(hint.into());
+        self.hint = Some(hint.into().into());
         self
     }
 
     /// The same, inside a part of the file.
     pub fn inside(mut self, part: impl Into<String>) -> ReadError {
-        self.part = Some(part.into());
+        self.part = Some(part.into().into());
         self
     }
 

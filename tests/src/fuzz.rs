@@ -16,8 +16,11 @@ use fibar_formats::Limits;
 use std::io::{Cursor, Write};
 use zip::write::{SimpleFileOptions, ZipWriter};
 
+/// A target's name and what it does with bytes.
+pub type Target = (&'static str, fn(&[u8]));
+
 /// Every target: its name, which is that of its corpus, and what it does with bytes.
-pub const TARGETS: [(&str, fn(&[u8])); 11] = [
+pub const TARGETS: [Target; 11] = [
     ("stl", |bytes| mesh_file(bytes, "stl")),
     ("obj", |bytes| mesh_file(bytes, "obj")),
     ("ply", |bytes| mesh_file(bytes, "ply")),

@@ -23,6 +23,7 @@ use inspector::Inspector;
 use model::Model;
 use package::Package;
 use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 use std::io::{Read, Seek};
 use unpack::Budget;
 
@@ -40,14 +41,13 @@ pub fn read<R: Read + Seek>(source: R, length: u64, limits: &Limits) -> Result<M
     let root = read_model(&mut package, &start, limits, &inspector)?;
     let mut others = BTreeMap::new();
     for path in paths(&root) {
-        if !others.contains_key(&path) {
-            let model = read_model(&mut package, &path, limits, &inspector)?;
-            if let Some(stray) = paths(&model).next() {
-                let error = ReadError::new(Place::File, format!("it leads on to `{stray}`"));
-                return Err(error.inside(path).try_this("only the root model may name other parts"));
-            }
-            others.insert(path, model);
+        let Entry::Vacant(entry) = others.entry(path) else { continue };
+        let model = read_model(&mut package, entry.key(), limits, &inspector)?;
+        if let Some(stray) = paths(&model).next() {
+            let error = ReadError::new(Place::File, format!("it leads on to `{stray}`"));
+            return Err(error.inside(entry.key()).try_this("only the root model may name other parts"));
         }
+        entry.insert(model);
     }
     let mut file = Assembly::new(&root, &others, &start)?.build(limits, &inspector)?;
     drop(package);
