@@ -166,9 +166,10 @@ fn make_room(
     params: &Params,
     job: &mut Job,
 ) -> Result<(), StageError> {
+    const WHILE_LOOKING: f64 = 0.04;
     let weights: &[f64] = match params.effort {
         Effort::Quick => &[0.02, 0.15, 1.0],
-        Effort::Normal => &[0.02, 0.06, 0.2, 0.6, 2.0],
+        Effort::Normal => &[0.02, 0.06, 0.12, 0.25, 0.6, 2.0],
         Effort::Thorough => &[0.02, 0.04, 0.08, 0.15, 0.3, 0.6, 1.2, 2.4],
     };
     let steps = MinimiseOptions { iterations: 80, least_gain: 1e-3, patience: 10, longest_step: 2.0 };
@@ -179,9 +180,9 @@ fn make_room(
         let share = |t: f64| 0.3 + 0.5 * (round as f64 + t) / weights.len() as f64;
         if round > 0 && round + 1 < weights.len() {
             let options = Reroute {
-                apart: Apart { distance, weight: weight.min(0.1) },
-                least_excess: 0.3,
-                aside: 10.0,
+                apart: Apart { distance, weight: weight.min(WHILE_LOOKING) },
+                least_excess: 0.2,
+                aside: 6.0,
             };
             let changed = reroute::pass(world, strands, &alone, &options, &mut |t| {
                 job.progress(share(0.7 * t), "other ways")

@@ -120,3 +120,95 @@ fn check_distances(nets: &[Net], rules: &Rules) -> Result<(), StageError> {
         .hint("place markers further apart, or give both one pattern")
         .place_mm(a.ends.marker.midpoint(b.ends.marker).to_array()))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use fibar_core::artefact::constellation::Pattern;
+    use fibar_core::artefact::mesh::TriangleMesh;
+    use fibar_core::artefact::sockets::Hole;
+    use fibar_geometry::distance::Surface;
+    use fibar_geometry::room::{Keeping, RoomOptions};
+
+    /// A block of 40 × 40 mm that reaches from z = 0 to `height`.
+    fn block(height: f64) -> TriangleMesh {
+        let corner = |k: u32| {
+            let [x, y, z] = [k & 1, k >> 1 & 1, k >> 2].map(f64::from);
+            DVec3::new((x - 0.5) * 40.0, (y - 0.5) * 40.0, z * height)
+        };
+        let quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+        let halves = |[a, b, c, d]: [u32; 4]| [[a, b, c], [a, c, d]];
+        TriangleMesh {
+            vertices: (0..8).map(corner).collect(),
+            triangles: quads.into_iter().flat_map(halves).collect(),
+        }
+    }
+
+    fn socket(led: u32, x: f64) -> Socket {
+        Socket {
+            led: LedId(led),
+            pattern: PatternId(led + 1),
+            position: DVec3::new(x, 0.0, 8.6),
+            axis: DVec3::Z,
+        }
+    }
+
+    fn marker(id: u32, pattern: u32, position: [f64; 3], normal: DVec3) -> Marker {
+        let position = DVec3::from(position);
+        Marker { id: MarkerId(id), position, normal, pattern: PatternId(pattern), neighbours: vec![] }
+    }
+
+    fn route(height: f64, sockets: Vec<Socket>, markers: Vec<Marker>) -> Result<Vec<Net>, String> {
+        let sockets = Sockets::new(Hole { diameter_mm: 5.2, depth_mm: 8.6 }, sockets);
+        let pattern = |id| Pattern { id: PatternId(id), bits: vec![true] };
+        let constellation = Constellation::new(350.0, vec![pattern(1), pattern(2)], markers);
+        let keeping = Keeping { radius: 1.875, skin: 0.4, wall: 0.05 };
+        let options = RoomOptions { spacing: 1.0, band: 6.0 };
+        let room = Room::new(Surface::new(&block(height)).unwrap(), &sockets, keeping, options);
+        let rules = Rules { marker_tolerance: 0.5, apart: 3.85 };
+        of(&sockets, &constellation, &room, &rules).map_err(|e| e.to_string())
+    }
+
+    #[test]
+    fn nets_are_in_order_of_pattern_then_marker() {
+        let top = |id: u32, pattern| marker(id, pattern, [5.0 * f64::from(id) - 10.0, 0.0, 40.0], DVec3::Z);
+        let nets = route(40.0, vec![socket(0, -7.0), socket(1, 7.0)], vec![top(1, 2), top(2, 1), top(3, 1)]);
+        let order: Vec<(u32, u32)> = nets.unwrap().iter().map(|n| (n.led.0, n.marker.0)).collect();
+        assert_eq!(order, [(0, 2), (0, 3), (1, 1)]);
+    }
+
+    #[track_caller]
+    fn check(height: f64, sockets: Vec<Socket>, markers: Vec<Marker>, says: &str) {
+        let error = route(height, sockets, markers).unwrap_err();
+        assert!(error.contains(says), "{error:?} does not say {says:?}");
+    }
+
+    #[test]
+    fn what_cannot_be_routed_is_named() {
+        let one = || vec![socket(0, 0.0)];
+        let top = |id, x, pattern| marker(id, pattern, [x, 0.0, 40.0], DVec3::Z);
+        check(40.0, one(), vec![], "no marker");
+        check(40.0, one(), vec![top(7, 0.0, 2)], "marker 7 blinks pattern 2, which no LED does");
+        check(40.0, one(), vec![marker(7, 1, [0.0, 0.0, 41.0], DVec3::Z)], "marker 7 is 1.000 mm off");
+        check(40.0, one(), vec![marker(7, 1, [0.0, 0.0, 40.0], -DVec3::Z)], "marker 7 has no room");
+        check(40.0, vec![socket(0, 21.0)], vec![top(7, 0.0, 1)], "LED 0 would start outside the body");
+        check(40.0, vec![socket(0, 18.5)], vec![top(7, 0.0, 1)], "too close to the skin");
+    }
+
+    #[test]
+    fn markers_of_two_patterns_closer_than_a_fibre_are_refused() {
+        let two = || vec![socket(0, -7.0), socket(1, 7.0)];
+        let pair = |x: f64, pattern| {
+            vec![marker(1, 1, [0.0, 0.0, 40.0], DVec3::Z), marker(2, pattern, [x, 0.0, 40.0], DVec3::Z)]
+        };
+        check(40.0, two(), pair(3.0, 2), "markers 1 and 2 of patterns 1 and 2 are 3.00 mm apart");
+        assert!(route(40.0, two(), pair(3.0, 1)).is_ok(), "fibres of one pattern may touch");
+        assert!(route(40.0, two(), pair(3.9, 2)).is_ok());
+    }
+
+    #[test]
+    fn a_body_thinner_than_a_fibre_is_refused() {
+        let side = |depth: f64| vec![marker(1, 1, [0.0, 0.0, depth], DVec3::Z)];
+        check(11.0, vec![socket(0, 0.0)], side(11.0), "outside the body");
+    }
+}
