@@ -13,6 +13,7 @@ mod negotiate;
 mod nets;
 mod params;
 mod reroute;
+mod trunks;
 
 use fibar_core::artefact::Document;
 use fibar_core::artefact::constellation::Constellation;

@@ -1,7 +1,7 @@
 //! Why fibres do not fit, and what would: the diagnosis.
 
 use crate::inspect::Faults;
-use crate::neck::{self, Neck, Sizes, Way};
+use crate::neck::{Neck, Sizes};
 use crate::nets::Net;
 use crate::params::Params;
 use fibar_core::MarkerId;
@@ -26,19 +26,10 @@ pub struct Misfit {
 }
 
 impl Misfit {
-    /// A neck that the courses of each fibre alone lead through, with room for fewer patterns than want to pass.
-    pub fn of_neck(
-        world: &World,
-        nets: &[Net],
-        courses: &[(usize, Course)],
-        params: &Params,
-    ) -> Option<Misfit> {
-        let sizes = Sizes { radius: params.black_radius_mm, clearance: params.clearance_mm };
-        let ways: Vec<Way> = courses.iter().map(|(net, course)| way(world, &nets[*net], course)).collect();
-        let neck =
-            neck::fullest(world.room, &ways, sizes).filter(|neck| neck.capacity < neck.through.len())?;
+    /// A neck with room for fewer patterns than want to pass.
+    pub fn of_neck(neck: Neck, sizes: Sizes) -> Misfit {
         let leave_out = beyond_capacity(&neck);
-        Some(Misfit { neck: Some(neck), contacts: 0, place: None, strained: vec![], sizes, leave_out })
+        Misfit { neck: Some(neck), contacts: 0, place: None, strained: vec![], sizes, leave_out }
     }
 
     /// What routing could not mend.
@@ -145,12 +136,6 @@ fn most_at_fault(faults: &Faults) -> usize {
     }
     let most = counts.iter().max_by_key(|(strand, count)| (**count, std::cmp::Reverse(**strand)));
     most.map(|(strand, _)| *strand).or_else(|| faults.strands().first().copied()).unwrap_or(0)
-}
-
-fn way(world: &World, net: &Net, course: &Course) -> Way {
-    let mut nodes = vec![];
-    world.tables.of(course.points.len()).sample(&course.points, &mut nodes);
-    Way { pattern: net.pattern.0, marker: net.marker, places: nodes.iter().map(|n| n.position).collect() }
 }
 
 fn list(markers: &[MarkerId]) -> String {

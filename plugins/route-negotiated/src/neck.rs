@@ -31,6 +31,10 @@ pub struct Neck {
     pub through: BTreeMap<u32, Vec<MarkerId>>,
     /// How many patterns can pass side by side.
     pub capacity: usize,
+    /// Where they could, mm, and the direction of passing.
+    pub slots: Vec<DVec3>,
+    /// Unit vector square to the cross-section.
+    pub normal: DVec3,
     /// The largest outer diameter with which all patterns could pass, mm; 0 if none.
     pub largest_diameter: f64,
 }
@@ -59,6 +63,15 @@ const FINE_MM: f64 = 0.4;
 /// Cross-sections are not followed further than this from the way, mm.
 const REACH_MM: f64 = 30.0;
 
+impl Neck {
+    /// Whether single fibres would fill more than half of it, so that those of one pattern should run as one.
+    pub fn is_crowded(&self, sizes: Sizes) -> bool {
+        let fibres = self.through.values().map(Vec::len).sum::<usize>() as f64;
+        let disc = PI * 0.25 * sizes.apart() * sizes.apart();
+        fibres * disc > 0.5 * self.area
+    }
+}
+
 /// The fullest cross-section along all ways, if there is any that two patterns share.
 pub fn fullest(room: &Room, ways: &[Way], sizes: Sizes) -> Option<Neck> {
     let planes: Vec<(DVec3, DVec3)> = ways.iter().flat_map(|way| planes_along(&way.places)).collect();
@@ -78,11 +91,13 @@ fn measure(room: &Room, plane: (DVec3, DVec3), ways: &[Way], sizes: Sizes) -> Ne
     for way in section.crossing(ways) {
         through.entry(way.0).or_default().extend(way.1);
     }
-    let capacity = section.capacity(sizes.apart());
+    let slots: Vec<DVec3> = section.slots(sizes.apart()).into_iter().map(|flat| section.lift(flat)).collect();
     Neck {
         place: section.middle(),
         area: section.fillable(sizes.radius),
-        capacity,
+        capacity: slots.len(),
+        slots,
+        normal: plane.1,
         largest_diameter: largest_diameter(room, plane, through.len(), sizes),
         through,
     }
@@ -208,20 +223,23 @@ impl Section {
         })
     }
 
-    /// How many axes `apart` mm from each other have room: the most of grids and single rings about the middle.
+    /// How many axes `apart` mm from each other have room.
     fn capacity(&self, apart: f64) -> usize {
+        self.slots(apart).len()
+    }
+
+    /// Places for axes `apart` mm from each other: the most of grids and single rings about the middle.
+    fn slots(&self, apart: f64) -> Vec<DVec2> {
         const TURNS: u32 = 12;
         let centre = self.centre();
-        let room_for = |layout: &[DVec2], turn: DVec2| {
-            layout.iter().filter(|node| self.holds(centre + turn.rotate(**node))).count()
+        let room_for = |layout: &[DVec2], turn: DVec2| -> Vec<DVec2> {
+            layout.iter().map(|node| centre + turn.rotate(*node)).filter(|node| self.holds(*node)).collect()
         };
         let turns: Vec<DVec2> =
             (0..TURNS).map(|k| unit(TAU / 6.0 * f64::from(k) / f64::from(TURNS))).collect();
         let layouts = grids(apart).into_iter().chain(rings(apart));
-        layouts
-            .flat_map(|layout| turns.iter().map(|turn| room_for(&layout, *turn)).collect::<Vec<_>>())
-            .max()
-            .unwrap_or(0)
+        let tried = layouts.flat_map(|l| turns.iter().map(|turn| room_for(&l, *turn)).collect::<Vec<_>>());
+        tried.fold(vec![], |best, next| if next.len() > best.len() { next } else { best })
     }
 }
 

@@ -10,9 +10,11 @@ use crate::inspect::Faults;
 use crate::joint::{Apart, Strand, settle};
 use crate::misfit::{self, Misfit};
 use crate::mouths;
+use crate::neck::{self, Sizes, Way};
 use crate::nets::Net;
 use crate::params::{Effort, OnMisfit, Params};
 use crate::reroute::{self, Reroute, loss_of};
+use crate::trunks;
 use fibar_geometry::alone::{World, find};
 use fibar_geometry::course::costs::Limits;
 use fibar_geometry::course::{Course, Freedom};
@@ -68,14 +70,29 @@ fn fit(
 ) -> Result<Outcome, StageError> {
     loop {
         job.progress(0.25, "necks")?;
-        if let Some(misfit) = Misfit::of_neck(world, nets, &courses, params) {
-            give_way(misfit, nets, &mut courses, params, job)?;
+        let ways: Vec<Way> =
+            courses.iter().map(|(net, course)| trunks::way(world, &nets[*net], course)).collect();
+        let sizes = Sizes { radius: params.black_radius_mm, clearance: params.clearance_mm };
+        let neck = neck::fullest(world.room, &ways, sizes);
+        if let Some(neck) = neck.clone().filter(|neck| neck.capacity < neck.through.len()) {
+            give_way(Misfit::of_neck(neck, sizes), nets, &mut courses, params, job)?;
             continue;
         }
         let mut strands: Vec<Strand> =
             courses.iter().map(|(net, course)| strand(&nets[*net], course, params)).collect();
         place_mouths(&mut strands, params);
-        make_room(world, &mut strands, params, job)?;
+        let crowded = neck.filter(|neck| neck.is_crowded(sizes));
+        if let Some(neck) = &crowded {
+            job.log("info", "fibres of one LED share a trunk through a neck");
+            let mut bundled: Vec<(usize, Course)> = courses
+                .iter()
+                .zip(&strands)
+                .map(|((net, _), strand)| (*net, strand.course.clone()))
+                .collect();
+            trunks::bundle(neck, nets, &mut bundled);
+            strands.iter_mut().zip(bundled).for_each(|(strand, (_, course))| strand.course = course);
+        }
+        make_room(world, &mut strands, crowded.is_some(), params, job)?;
         if finish(world, &mut strands, params, job)? {
             polish(world, &mut strands, params);
             let routed = courses.iter().zip(strands).map(|((net, _), strand)| (*net, strand.course));
@@ -163,11 +180,13 @@ fn place_mouths(strands: &mut [Strand], params: &Params) {
 fn make_room(
     world: &World,
     strands: &mut [Strand],
+    bundled: bool,
     params: &Params,
     job: &mut Job,
 ) -> Result<(), StageError> {
     const WHILE_LOOKING: f64 = 0.04;
     let weights: &[f64] = match params.effort {
+        _ if bundled => &[0.15, 0.4, 1.0, 2.5],
         Effort::Quick => &[0.02, 0.15, 1.0],
         Effort::Normal => &[0.02, 0.06, 0.12, 0.25, 0.6, 2.0],
         Effort::Thorough => &[0.02, 0.04, 0.08, 0.15, 0.3, 0.6, 1.2, 2.4],
@@ -178,7 +197,7 @@ fn make_room(
     let distance = params.apart() + APART_MARGIN;
     for (round, &weight) in weights.iter().enumerate() {
         let share = |t: f64| 0.3 + 0.5 * (round as f64 + t) / weights.len() as f64;
-        if round > 0 && round + 1 < weights.len() {
+        if !bundled && round > 0 && round + 1 < weights.len() {
             let options = Reroute {
                 apart: Apart { distance, weight: weight.min(WHILE_LOOKING) },
                 least_excess: 0.2,
