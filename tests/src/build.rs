@@ -47,6 +47,12 @@ impl Workshop {
         path
     }
 
+    /// Shows the checkout's profiles to recipes in the folder.
+    pub fn link_profiles(&self) {
+        let linked = std::os::unix::fs::symlink(checkout().join("profiles"), self.path().join("profiles"));
+        linked.expect("links can be made");
+    }
+
     /// The program, about to run here.
     pub fn program(&self, arguments: &[&str]) -> Command {
         let mut command = Command::new(executables().join("fibar"));

@@ -8,6 +8,7 @@ fn check(from: &str, to: &str, object: &[u8], code: i32, says: &[&str]) {
     let workshop = Workshop::default();
     let recipe = std::fs::read_to_string(checkout().join("recipes/pebble.toml")).unwrap();
     assert!(from.is_empty() || recipe.contains(from), "{from:?} is not in the recipe");
+    workshop.link_profiles();
     workshop.write("objects/pebble.obj", object);
     let path = workshop.write("pebble.toml", recipe.replacen(from, to, 1));
     workshop.run(&["build", path.to_str().unwrap()]).expect(code).says(says);
@@ -23,22 +24,22 @@ fn pebble() -> Vec<u8> {
 #[test]
 fn recipe_errors_name_line_and_key() {
     let pebble = pebble();
-    check("pitch_mm", "pich_mm", &pebble, 2, &["pebble.toml:18", "pich_mm", "pitch_mm"]);
-    check("pitch_mm = 9.0", "pitch_mm = -9.0", &pebble, 2, &["pebble.toml:18", "pitch_mm", "1"]);
-    check("pitch_mm = 9.0", "pitch_mm = \"wide\"", &pebble, 2, &["pebble.toml:18", "pitch_mm", "number"]);
-    check("\"socket-led\"", "\"socket-lead\"", &pebble, 2, &["pebble.toml:16", "socket-lead", "socket-led"]);
+    check("pitch_mm", "pich_mm", &pebble, 2, &["pebble.toml:19", "pich_mm", "pitch_mm"]);
+    check("pitch_mm = 9.0", "pitch_mm = -9.0", &pebble, 2, &["pebble.toml:19", "pitch_mm", "1"]);
+    check("pitch_mm = 9.0", "pitch_mm = \"wide\"", &pebble, 2, &["pebble.toml:19", "pitch_mm", "number"]);
+    check("\"socket-led\"", "\"socket-lead\"", &pebble, 2, &["pebble.toml:17", "socket-lead", "socket-led"]);
     check("fibar = 1", "fibar = 9", &pebble, 2, &["pebble.toml:2", "fibar", "1"]);
-    check("[object]", "[object", &pebble, 2, &["pebble.toml:4"]);
+    check("[object]", "[object", &pebble, 2, &["pebble.toml:5"]);
 }
 
 #[test]
 fn files_that_are_no_mesh_are_refused() {
     let pebble = pebble();
-    let missing = ["pebble.toml:9", "objects/pebbles.obj", "did you mean \"pebble.obj\""];
+    let missing = ["pebble.toml:10", "objects/pebbles.obj", "did you mean \"pebble.obj\""];
     check("objects/pebble.obj", "objects/pebbles.obj", &pebble, 3, &missing);
-    check("", "", b"", 3, &["pebble.toml:9", "empty", "export"]);
-    check("", "", &pebble[..9_000], 3, &["pebble.toml:9", "line 339", "coordinates"]);
-    check("", "", &lines(&pebble, 645), 3, &["pebble.toml:9", "no triangle"]);
+    check("", "", b"", 3, &["pebble.toml:10", "empty", "export"]);
+    check("", "", &pebble[..9_000], 3, &["pebble.toml:10", "line 339", "coordinates"]);
+    check("", "", &lines(&pebble, 645), 3, &["pebble.toml:10", "no triangle"]);
     let repair = "use = \"repair-manifold\"";
     let strict = format!("{repair}\nlargest_hole_mm = 2.0");
     check(repair, &strict, &lines(&pebble, 1900), 3, &["open holes (1)", "mm", "largest_hole_mm"]);

@@ -23,6 +23,7 @@ fn unchanged_bytes_stop_the_rebuild() {
     let workshop = Workshop::default();
     let recipe = std::fs::read_to_string(checkout().join("recipes/pebble.toml")).unwrap();
     let object = std::fs::read_to_string(checkout().join("recipes/objects/pebble.obj")).unwrap();
+    workshop.link_profiles();
     workshop.write("objects/pebble.obj", &object);
     let path = workshop.write("pebble.toml", &recipe);
     let build = || workshop.run(&["build", path.to_str().unwrap()]).expect(0);

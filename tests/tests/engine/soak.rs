@@ -21,7 +21,7 @@ fn soak_killed_builds_of_the_pebble_lose_nothing() {
     let shop = Workshop::default();
     let recipe = checkout().join("recipes/pebble.toml");
     let build = |salt: usize| {
-        let seed = format!("assign-genetic.seed={salt}");
+        let seed = format!("assign-covering.seed={salt}");
         shop.program(&["build", recipe.to_str().unwrap(), "--set", &seed])
     };
     Soak { name: "pebble", shop: &shop, build: &build }.run(if is_long() { 200 } else { 1 });
@@ -108,9 +108,10 @@ impl Soak<'_> {
         tally.rounds += 1;
     }
 
-    /// Builds to the end; says how many stages ran.
+    /// Builds to the end, whatever verifiers say of the result; says how many stages ran.
     fn finish(&self, salt: usize) -> usize {
-        Outcome::of(&mut (self.build)(salt)).expect(0);
+        let outcome = Outcome::of(&mut (self.build)(salt));
+        assert!(matches!(outcome.code, 0 | 1), "{outcome:?}");
         self.shop.opened(self.name).executed()
     }
 }
