@@ -65,8 +65,7 @@ fn binary_ply(big_endian: bool) -> Vec<u8> {
 /// With normals and colours, and the counts right after the keyword.
 fn coloured_off() -> String {
     let lines = OFF.replace("OFF\n# four corners\n4", "CNOFF4");
-    let lines = lines.replace("0 0 1\n", "0 0 1 0 1 0 0.5 0.5 0.5 1\n").replace("3 1 2 3", "3 1 2 3 255 0 0");
-    lines
+    lines.replace("0 0 1\n", "0 0 1 0 1 0 0.5 0.5 0.5 1\n").replace("3 1 2 3", "3 1 2 3 255 0 0")
 }
 
 fn samples() -> Vec<(&'static str, Vec<u8>)> {
