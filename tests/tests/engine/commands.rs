@@ -98,7 +98,7 @@ fn build_stopped() {
         let rest: Vec<String> = said.collect();
         assert_eq!(build.wait().unwrap().code(), Some(130), "{rest:?}");
         assert!(rest.iter().any(|line| line.contains("the same command goes on from there")), "{rest:?}");
-        assert_eq!(processes_of(&demo), [PathBuf::new(); 0], "a stage lives on");
+        assert_eq!(processes_of(&demo), Vec::<PathBuf>::new(), "a stage lives on");
     }
     demo.shop.write("demo.toml", quick);
     check(&demo, &["build", "demo.toml"], 0, &["8 of 9 stages ran"]);
