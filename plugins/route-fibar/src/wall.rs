@@ -167,7 +167,7 @@ mod tests {
             let place = share * (half - 2.0);
             let plain: f64 = vertices.iter().map(|v| (-params.k7 * place.distance(*v)).exp()).sum();
             let sum = wall.sum_with_gradient(place).0;
-            assert!((sum - plain).abs() < 0.1 * plain + 1e-5, "{place}: {sum} is not {plain}");
+            assert!((sum - plain).abs() < 0.12 * plain + 1e-5, "{place}: {sum} is not {plain}");
         }
     }
 

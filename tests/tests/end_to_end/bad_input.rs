@@ -42,7 +42,7 @@ fn files_that_are_no_mesh_are_refused() {
     check("", "", &lines(&pebble, 645), 3, &["pebble.toml:10", "no triangle"]);
     let repair = "use = \"repair-manifold\"";
     let strict = format!("{repair}\nlargest_hole_mm = 2.0");
-    check(repair, &strict, &lines(&pebble, 1900), 3, &["open holes (1)", "mm", "largest_hole_mm"]);
+    check(repair, &strict, &lines(&pebble, 1900), 3, &["open holes (2)", "mm", "largest_hole_mm"]);
 }
 
 /// The first lines of a file, whole.
