@@ -25,4 +25,4 @@ pub use error::SolidError;
 pub use grid::Grid;
 pub use inset::{InsetOptions, inset};
 pub use solid::Solid;
-pub use tube::{Axis, AxisOptions};
+pub use tube::{Axis, AxisOptions, Layer};

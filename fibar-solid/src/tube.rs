@@ -41,6 +41,16 @@ pub struct AxisOptions {
     pub extend_end: f64,
 }
 
+/// One of the nested tubes about an axis.
+#[derive(Clone, Copy, Debug)]
+pub struct Layer {
+    /// Distance of the sides from the axis, mm.
+    pub apothem: f64,
+    /// How far the tube goes on past either end of the axis, mm. Layers that end in one plane and are subtracted from each
+    /// other leave membranes there, as thick as rounding; an inner layer that stands out leaves none.
+    pub overhang: f64,
+}
+
 /// A tessellated axis, ready to be given a radius.
 #[derive(Clone, Debug)]
 pub struct Axis {
@@ -107,12 +117,12 @@ impl Axis {
         if self.elbows() == 0 { inner + wall } else { inner / libm::cos(PI / self.sides as f64) + wall }
     }
 
-    /// The tube of an apothem, mm, as parts that overlap where the axis is too tight for one; their union is the tube.
-    pub fn tube(&self, apothem: f64) -> Result<Vec<Solid>, SolidError> {
+    /// A tube, as parts that overlap where the axis is too tight for one; their union is the tube.
+    pub fn tube(&self, Layer { apothem, overhang }: Layer) -> Result<Vec<Solid>, SolidError> {
         let circumradius = apothem / libm::cos(PI / self.sides as f64);
         let mut parts = Vec::with_capacity(2 * self.runs.len());
         for run in &self.runs {
-            parts.push(Solid::from_mesh(&self.mitred_run(run.clone(), circumradius))?);
+            parts.push(Solid::from_mesh(&self.mitred_run(run.clone(), circumradius, overhang))?);
         }
         for run in &self.runs[1..] {
             parts.push(Solid::hull(&self.elbow(run.start, circumradius)?)?);
@@ -134,12 +144,14 @@ impl Axis {
         elbow_corners(&elbow, circumradius, self.ball_frequency)
     }
 
-    /// A closed mesh: a ring of vertices per joint, flat ends.
-    fn mitred_run(&self, run: Range<usize>, circumradius: f64) -> TriangleMesh {
+    /// A closed mesh: a ring of vertices per joint, flat ends; those of the whole axis stand out by `overhang`.
+    fn mitred_run(&self, run: Range<usize>, circumradius: f64, overhang: f64) -> TriangleMesh {
         let rings = run.len() + 1;
         let mut mesh = TriangleMesh::default();
         for joint in run.start..=run.end {
-            mesh.vertices.extend((0..self.sides).map(|side| self.corner(&run, joint, side, circumradius)));
+            let shift = self.outwards(joint) * overhang;
+            let corner = |side| self.corner(&run, joint, side, circumradius) + shift;
+            mesh.vertices.extend((0..self.sides).map(corner));
         }
         let n = self.sides as u32;
         for (ring, side) in (0..rings as u32 - 1).flat_map(|ring| (0..n).map(move |side| (ring, side))) {
@@ -151,6 +163,15 @@ impl Axis {
             mesh.triangles.extend([[0, side + 1, side], [last, last + side, last + side + 1]]);
         }
         mesh
+    }
+
+    /// Direction in which the axis ends at its first and last joint; zero at all others.
+    fn outwards(&self, joint: usize) -> DVec3 {
+        match joint {
+            0 => -self.frames[0].direction,
+            last if last == self.frames.len() => self.frames[last - 1].direction,
+            _ => DVec3::ZERO,
+        }
     }
 
     /// A corner of the cross-section, slid along its segment onto the mitre plane of the joint.
@@ -275,18 +296,22 @@ mod tests {
         [0.87, cladding, axis.apothem_around(cladding, 0.5)]
     }
 
+    fn bare(apothem: f64) -> Layer {
+        Layer { apothem, overhang: 0.0 }
+    }
+
     fn unite(axis: &Axis, apothem: f64) -> Solid {
-        Solid::union(&axis.tube(apothem).unwrap()).unwrap().without_specks(1e-6).unwrap()
+        Solid::union(&axis.tube(bare(apothem)).unwrap()).unwrap().without_specks(1e-6).unwrap()
     }
 
     #[test]
     fn a_straight_tube_has_the_volume_of_its_prism() {
         let axis = axis(&zoo()[0].1, 0.02);
-        let tube = Solid::union(&axis.tube(1.0).unwrap()).unwrap();
+        let tube = Solid::union(&axis.tube(bare(1.0)).unwrap()).unwrap();
         let area = axis.sides() as f64 * libm::tan(PI / axis.sides() as f64);
         assert!((tube.volume() - 30.0 * area).abs() < 1e-9);
         let round = axis.apothem_of_equal_area(1.0);
-        let tube = Solid::union(&axis.tube(round).unwrap()).unwrap();
+        let tube = Solid::union(&axis.tube(bare(round)).unwrap()).unwrap();
         assert!((tube.volume() - 30.0 * PI).abs() < 1e-9);
     }
 
@@ -295,7 +320,7 @@ mod tests {
         for radius in [40.0, 5.0] {
             let axis = axis(&arc(radius), 0.005);
             assert_eq!(axis.elbows(), 0, "radius {radius}");
-            let tube = Solid::union(&axis.tube(axis.apothem_of_equal_area(1.875)).unwrap()).unwrap();
+            let tube = Solid::union(&axis.tube(bare(axis.apothem_of_equal_area(1.875))).unwrap()).unwrap();
             let expected = PI * PI / 2.0 * radius * 1.875 * 1.875;
             assert!((tube.volume() / expected - 1.0).abs() < 2e-3, "radius {radius}: {tube:?}");
         }
