@@ -6,6 +6,7 @@
 mod checkout;
 mod features;
 mod manifold;
+mod opensubdiv;
 mod peers;
 mod plugins;
 mod test;

@@ -57,13 +57,13 @@ fn fetch(work: &Path) -> Result<PathBuf, String> {
     Ok(work.join(format!("manifold3d-{VERSION}")))
 }
 
-fn find_python() -> Result<&'static str, String> {
+/// A Python that has pip.
+pub fn find_python() -> Result<&'static str, String> {
     let has_pip = |python: &&str| {
         Command::new(python).args(["-m", "pip", "--version"]).output().is_ok_and(|out| out.status.success())
     };
-    PYTHONS.into_iter().find(has_pip).ok_or_else(|| {
-        format!("fetching Manifold {VERSION} needs Python 3.11 with pip; try: apt-get install python3-pip")
-    })
+    let advice = "fetching what is compiled in needs Python 3.11 with pip; try: apt-get install python3-pip";
+    PYTHONS.into_iter().find(has_pip).ok_or_else(|| advice.to_string())
 }
 
 fn write_stub(work: &Path) -> Result<(), String> {

@@ -1,7 +1,7 @@
 //! From the recipes named to the plugins compiled, and on to the program.
 
 use crate::checkout::{Checkout, Failure, run, run_quietly};
-use crate::manifold;
+use crate::{manifold, opensubdiv};
 use std::collections::BTreeSet;
 use std::process::Command;
 
@@ -28,9 +28,15 @@ pub fn run_program(checkout: &Checkout, words: &[&str]) -> Result<(), Failure> {
 
 /// The program, all plugins, and the stages that only tests run.
 pub fn compile_all(checkout: &Checkout) -> Result<(), Failure> {
-    manifold::ensure(&checkout.root)?;
+    ensure_libraries(checkout)?;
     let everything = ["build", "--release", "--workspace", "--exclude", "xtask", "--bins", "--examples"];
     run(&mut checkout.cargo(&everything))
+}
+
+/// What is compiled in and is not the Rust registry's to give.
+pub fn ensure_libraries(checkout: &Checkout) -> Result<(), Failure> {
+    manifold::ensure(&checkout.root)?;
+    Ok(opensubdiv::ensure(&checkout.root)?)
 }
 
 /// The program, with this checkout's plugins and store.
@@ -56,8 +62,11 @@ fn compile(checkout: &Checkout, packages: &BTreeSet<String>) -> Result<(), Failu
     if packages.is_empty() {
         return Ok(());
     }
-    if packages.iter().any(|name| uses_manifold(checkout, name)) {
+    if packages.iter().any(|name| uses(checkout, name, "fibar-solid")) {
         manifold::ensure(&checkout.root)?;
+    }
+    if packages.iter().any(|name| uses(checkout, name, "opensubdiv-petite")) {
+        opensubdiv::ensure(&checkout.root)?;
     }
     let mut command = checkout.cargo(&["build", "--release"]);
     packages.iter().for_each(|name| {
@@ -66,7 +75,7 @@ fn compile(checkout: &Checkout, packages: &BTreeSet<String>) -> Result<(), Failu
     run(&mut command)
 }
 
-fn uses_manifold(checkout: &Checkout, package: &str) -> bool {
+fn uses(checkout: &Checkout, package: &str, dependency: &str) -> bool {
     let manifest = checkout.path("plugins").join(package).join("Cargo.toml");
-    std::fs::read_to_string(manifest).is_ok_and(|text| text.lines().any(|l| l.starts_with("fibar-solid")))
+    std::fs::read_to_string(manifest).is_ok_and(|text| text.lines().any(|l| l.starts_with(dependency)))
 }

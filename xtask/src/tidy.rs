@@ -1,7 +1,7 @@
 //! Formatting, lints, features, and ARCHITECTURE.md held against the real crates and their edges.
 
 use crate::checkout::{Checkout, Failure, run};
-use crate::{features, manifold};
+use crate::{features, plugins};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Crate names, each with those of our crates that it uses.
@@ -9,7 +9,7 @@ type Edges = BTreeMap<String, BTreeSet<String>>;
 
 /// Everything that CI would complain of.
 pub fn check(checkout: &Checkout) -> Result<(), Failure> {
-    manifold::ensure(&checkout.root)?;
+    plugins::ensure_libraries(checkout)?;
     run(&mut checkout.cargo(&["fmt", "--all", "--check"]))?;
     run(&mut checkout.cargo(&[
         "clippy",
