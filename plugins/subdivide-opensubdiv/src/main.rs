@@ -47,7 +47,8 @@ struct Params {
     triangles: TriangleWeights,
     /// Whether vertices are moved on to the surface that further subdivision tends to.
     limit: bool,
-    /// What keeps its place: `nothing`, so that round shapes shrink, or the `vertices` of the mesh, which then lie on the smooth one.
+    /// What is kept, for round shapes shrink: `nothing`; the `size`, by scaling evenly until the mesh's box is touched from inside
+    /// again; or the places of its `vertices`, which then lie on the smooth mesh, at the price of bumps between them.
     keep: Keep,
     /// Most triangles to make; a million take about 2 GB of memory.
     #[schemars(range(min = 1, max = 20_000_000))]
@@ -79,6 +80,7 @@ enum TriangleWeights {
 #[serde(rename_all = "lowercase")]
 enum Keep {
     Nothing,
+    Size,
     Vertices,
 }
 

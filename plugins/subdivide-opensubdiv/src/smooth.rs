@@ -54,6 +54,7 @@ pub fn smooth(mesh: &TriangleMesh, parts: Option<Parts>, params: &Params) -> Res
     let refinement = Refinement::new(&control.mesh, &sharp, rules(params))?;
     let positions = match params.keep {
         Keep::Nothing => refinement.positions(places),
+        Keep::Size => grown(refinement.positions(places), places),
         Keep::Vertices => refinement.positions(&fit(&refinement, places)),
     };
     let refined = TriangleMesh { triangles: refinement.triangles(&positions), vertices: positions };
@@ -66,7 +67,7 @@ pub fn smooth(mesh: &TriangleMesh, parts: Option<Parts>, params: &Params) -> Res
         volume_after_mm3: volume(&refined),
         displacement_mm: farthest(&refinement.flat_positions(places), refined.vertices.iter().copied()),
         kept_within_mm: farthest(places, refinement.of_control(&refined.vertices)),
-        growth_mm: size(&refined) - size(&control.mesh),
+        growth_mm: size(&refined.vertices) - size(places),
     };
     let parts = control.parts_of(&refined, params.children() as usize, 1 << params.levels);
     Ok(Smooth { mesh: refined, parts, fate })
@@ -119,6 +120,24 @@ fn volume(mesh: &TriangleMesh) -> f64 {
     mesh.volume_of(0..mesh.triangles.len())
 }
 
-fn size(mesh: &TriangleMesh) -> DVec3 {
-    mesh.bounds().map_or(DVec3::ZERO, |(low, high)| high - low)
+/// The points scaled evenly, about the middle of the box of `like`, until they touch that box from inside.
+fn grown(mut points: Vec<DVec3>, like: &[DVec3]) -> Vec<DVec3> {
+    let (Some((low, high)), Some((from, to))) = (bounds(like), bounds(&points)) else { return points };
+    let ratios = (high - low) / (to - from);
+    let factor =
+        ratios.to_array().into_iter().filter(|ratio| ratio.is_finite()).fold(f64::INFINITY, f64::min);
+    if factor.is_finite() && factor > 0.0 {
+        let (middle, was) = ((low + high) * 0.5, (from + to) * 0.5);
+        points.iter_mut().for_each(|point| *point = middle + (*point - was) * factor);
+    }
+    points
+}
+
+fn size(points: &[DVec3]) -> DVec3 {
+    bounds(points).map_or(DVec3::ZERO, |(low, high)| high - low)
+}
+
+fn bounds(points: &[DVec3]) -> Option<(DVec3, DVec3)> {
+    let first = *points.first()?;
+    Some(points.iter().fold((first, first), |(low, high), point| (low.min(*point), high.max(*point))))
 }

@@ -285,6 +285,17 @@ fn vertices_can_keep_their_places() {
 }
 
 #[test]
+fn the_size_can_be_kept() {
+    for scheme in SCHEMES {
+        for mesh in [icosahedron(), torus(), sheet()] {
+            let params = Params { scheme, crease_deg: 180.0, keep: Keep::Size, ..Params::default() };
+            let grown = run(&mesh, params).fate.growth_mm;
+            assert!(grown.max_element().abs() < 1e-9 && grown.min_element() > -3.0, "{grown}");
+        }
+    }
+}
+
+#[test]
 fn parts_travel_along() {
     let (mut mesh, mut parts) = (TriangleMesh::default(), Vec::new());
     for (label, shape, x) in [("left", cube(), 0.0), ("right", can(8), 40.0)] {
@@ -363,7 +374,7 @@ fn any_soup_can_be_subdivided() {
             rims: [Rims::Smooth, Rims::Corners][round / 8 % 2],
             triangles: [TriangleWeights::Plain, TriangleWeights::Even][round / 16 % 2],
             limit: round % 3 > 0,
-            keep: [Keep::Nothing, Keep::Vertices][round / 32 % 2],
+            keep: [Keep::Nothing, Keep::Size, Keep::Vertices][round / 32 % 3],
             ..Params::default()
         };
         let whole = soup.welded().triangles.len();

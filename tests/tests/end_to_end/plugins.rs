@@ -1,6 +1,6 @@
 //! Every plugin that comes with fibar tells what a recipe can ask of it, and keeps the promises of the protocol.
 
-use fibar_tests::{Workshop, checkout, is_full};
+use fibar_tests::{Workshop, checkout, executables, is_full};
 use serde_json::Value;
 
 #[test]
@@ -25,6 +25,19 @@ fn every_plugin_keeps_the_promises_of_the_protocol() {
     for name in names().filter(|name| name != "source-build123d" || is_full()) {
         let said = workshop.run(&["plugin", "test", &name]).expect(0).stdout;
         assert!(said.lines().filter(|line| line.starts_with("  ok ")).count() >= 5, "{name}:\n{said}");
+    }
+}
+
+/// What stands in a plugin enters its digest, and with it every key of a store that others may share.
+#[test]
+fn no_plugin_knows_where_it_was_compiled() {
+    let here = checkout().to_str().unwrap().as_bytes();
+    for name in names() {
+        let bytes = std::fs::read(executables().join(&name)).unwrap();
+        assert!(
+            !bytes.windows(here.len()).any(|window| window == here),
+            "{name} has the path of the checkout in it"
+        );
     }
 }
 
