@@ -71,6 +71,8 @@ fn report_metrics(targets: &[Target], job: &mut Job) {
     let pairs = targets.iter().flat_map(|t| t.best_mm.iter().zip(&t.certified_mm));
     let (best, certified) = pairs.fold((0.0, 0.0), |sum, (b, c)| (sum.0 + b, sum.1 + c));
     let dark = targets.iter().filter(|t| best_of(t) == 0.0).count();
+    let hopeless = targets.iter().flat_map(|t| &t.certified_mm).filter(|c| **c == 0.0).count();
+    job.metric("bound.hopeless_pairs", hopeless as f64, "1");
     job.metric("bound.targets", targets.len() as f64, "1");
     job.metric("bound.targets_without_light", dark as f64, "1");
     job.metric("bound.mean_best_led_mm", mean, "mm");

@@ -6,6 +6,7 @@ use fibar_core::artefact::mesh::TriangleMesh;
 use fibar_core::artefact::sockets::{Socket, Sockets};
 use fibar_geometry::alone::{AloneOptions, World, find};
 use fibar_geometry::bound::LeastLoss;
+use fibar_geometry::bound::reach::Reach;
 use fibar_geometry::course::nodes::Tables;
 use fibar_geometry::course::{Ends, Freedom};
 use fibar_geometry::distance::Surface;
@@ -45,12 +46,16 @@ pub fn bound(
         },
         min_bend_radius: params.min_bend_radius_mm,
     };
+    let reach = |s: &Socket| Reach::from(&room, s.position, params.mouth_radius_mm);
+    let reach: Vec<Reach> = sockets.sockets.par_iter().map(reach).collect();
     let least = LeastLoss::new(&world.absorption, params.min_bend_radius_mm);
     let mut targets = Vec::with_capacity(places.len());
     for batch in places.chunks(BATCH) {
         job.progress(0.1 + 0.9 * targets.len() as f64 / places.len() as f64, "pairs")?;
-        let bounded: Vec<Target> =
-            batch.par_iter().map(|place| target(&world, &least, sockets, &ways, *place, params)).collect();
+        let bounded: Vec<Target> = batch
+            .par_iter()
+            .map(|place| target(&world, (&least, &reach), sockets, &ways, *place, params))
+            .collect();
         targets.extend(bounded);
     }
     Ok(targets)
@@ -58,46 +63,36 @@ pub fn bound(
 
 fn target(
     world: &World,
-    least: &LeastLoss,
+    (least, reach): (&LeastLoss, &[Reach]),
     sockets: &Sockets,
     ways: &[Option<Ways>],
     (position, normal): (DVec3, DVec3),
     params: &Params,
 ) -> Target {
-    let best_mm: Vec<f64> = sockets
-        .sockets
-        .iter()
-        .zip(ways)
-        .map(|(socket, ways)| best_light(world, socket, ways.as_ref(), (position, normal), params))
-        .collect();
-    let certified_mm = sockets.sockets.iter().map(|s| certified_light(world, least, s, (position, normal)));
-    Target { position, normal, certified_mm: certified_mm.collect(), best_mm }
+    let mut target = Target { position, normal, certified_mm: vec![], best_mm: vec![] };
+    for ((socket, ways), reach) in sockets.sockets.iter().zip(ways).zip(reach) {
+        let ends = Ends { tip: socket.position, axis: socket.axis, marker: position, normal };
+        let (best, certified) = match reach.reaches(ends) {
+            true => lights(world, least, ends, ways.as_ref(), params.effort),
+            false => (0.0, 0.0),
+        };
+        target.best_mm.push(best);
+        target.certified_mm.push(certified);
+    }
+    target
 }
 
-/// d_cam that no course between these ends exceeds, mm.
-fn certified_light(
-    world: &World,
-    least: &LeastLoss,
-    socket: &Socket,
-    (marker, normal): (DVec3, DVec3),
-) -> f64 {
-    let ends = Ends { tip: socket.position, axis: socket.axis, marker, normal };
-    world.absorption.d_cam_mm(least.between(ends, world.freedom))
-}
-
-/// d_cam of the best course known, mm; 0 if none is.
-fn best_light(
-    world: &World,
-    socket: &Socket,
-    ways: Option<&Ways>,
-    (marker, normal): (DVec3, DVec3),
-    params: &Params,
-) -> f64 {
-    let ends = Ends { tip: socket.position, axis: socket.axis, marker, normal };
-    let (keep, options) = match params.effort {
-        Effort::Quick => (1, AloneOptions { span: 9.0, iterations: 60, rounds: 5 }),
-        Effort::Normal => (2, AloneOptions { span: 7.5, iterations: 120, rounds: 6 }),
-        Effort::Thorough => (usize::MAX, AloneOptions { span: 6.0, iterations: 500, rounds: 8 }),
+/// d_cam of the best course known, mm, 0 if none is; and the one that no course between these ends exceeds.
+fn lights(world: &World, least: &LeastLoss, ends: Ends, ways: Option<&Ways>, effort: Effort) -> (f64, f64) {
+    const FAINTEST: f64 = 20.0; // d_cam is 0.3 mm
+    const BEYOND_BEST: f64 = 0.5; // so that a bound that the best known breaks shows
+    let (keep, options, attempts) = match effort {
+        Effort::Quick => (1, AloneOptions { span: 9.0, iterations: 60, rounds: 5 }, 4),
+        Effort::Normal => (2, AloneOptions { span: 7.5, iterations: 120, rounds: 6 }, 12),
+        Effort::Thorough => (usize::MAX, AloneOptions { span: 6.0, iterations: 500, rounds: 8 }, 60),
     };
-    find(world, ends, ways, keep, &options).map_or(0.0, |alone| alone.throughput.d_cam_mm)
+    let best = find(world, ends, ways, keep, &options).map(|alone| alone.throughput);
+    let enough = best.map_or(FAINTEST, |best| best.loss + BEYOND_BEST);
+    let certified = world.absorption.d_cam_mm(least.between(ends, world.freedom, enough, attempts));
+    (best.map_or(0.0, |best| best.d_cam_mm), certified)
 }
