@@ -38,7 +38,7 @@ pub struct Target {
     pub position: DVec3,
     /// Outward unit normal.
     pub normal: DVec3,
-    /// No fibre of this LED exceeds this d_cam, mm.
+    /// No fibre of this LED exceeds this d_cam, mm; 0 where the walls leave it no way.
     pub certified_mm: Vec<f64>,
     /// d_cam of the best curve known, mm; 0 where none is known.
     pub best_mm: Vec<f64>,

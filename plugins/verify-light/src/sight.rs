@@ -86,9 +86,12 @@ impl Sight {
         self.pair.filter(|p| p.best_mm > 0.0).map(|p| self.d_cam_mm / p.best_mm)
     }
 
-    /// `d_cam` over the certified bound; more than 1 is impossible.
+    /// `d_cam` over the certified bound; more than 1 is impossible. A pair that is certified to be hopeless has a bound of a
+    /// micrometre here, so that a fibre that brings light all the same shows.
     pub fn certified_share(&self) -> Option<f64> {
-        self.pair.filter(|p| p.certified_mm > 0.0).map(|p| self.d_cam_mm / p.certified_mm)
+        const HOPELESS_MM: f64 = 1e-3;
+        let possible = |p: &Pair| p.certified_mm > 0.0 || self.d_cam_mm > 0.0;
+        self.pair.filter(possible).map(|p| self.d_cam_mm / p.certified_mm.max(HOPELESS_MM))
     }
 
     /// The fibre as a place of the verdict.

@@ -241,5 +241,8 @@ mod tests {
             !found.holds && found.places.len() == 1 && found.places[0].what.contains("fibre 2"),
             "{found:?}"
         );
+        // A pair that was certified to be hopeless has light.
+        all.sights[1].pair = Some(Pair { certified_mm: 0.0, best_mm: 0.0 });
+        assert!(!certified(&all).holds);
     }
 }
