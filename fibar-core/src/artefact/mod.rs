@@ -5,6 +5,7 @@
 
 pub mod bounds;
 pub mod constellation;
+pub mod courses;
 pub mod mesh;
 pub mod parts;
 pub mod routes;

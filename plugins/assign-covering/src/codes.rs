@@ -6,6 +6,7 @@
 //! falls short of the goal counts too.
 
 use crate::annealing::Cooling;
+use crate::clashes::{Clashes, GRAIN_MM2, LOSS_PER_MM2};
 use crate::light::Light;
 use crate::rings::Rings;
 use fibar_core::levenshtein::Needle;
@@ -24,6 +25,8 @@ pub const M_SEQUENCE: u8 = 1;
 
 /// A marker in the dark costs so much; two markers that look the same cost 1.
 const DARK: f64 = 5.0;
+/// A loss `∫a ds` of 1 by clashes.
+const CLASHING: f64 = 1.5;
 
 /// Codes by marker, and how much they confuse.
 #[derive(Clone)]
@@ -33,11 +36,21 @@ pub struct Codes<'a> {
     /// The code of each marker, from 1.
     pub genes: Vec<u8>,
     counts: Vec<usize>,
-    /// What each marker could get, and how much that weighs.
-    light: Option<(&'a Light, f64)>,
+    lit: Lit<'a>,
     read: Vec<Vec<Needle>>,
     /// For every two markers, how alike they are if they blink alike; 0 if not. Only `p < q` is used.
     alike: Vec<f64>,
+}
+
+/// What is known of light, beside which codes are chosen.
+#[derive(Clone, Copy, Default)]
+pub struct Lit<'a> {
+    /// What each marker could get, and how much that weighs.
+    pub light: Option<(&'a Light, f64)>,
+    /// Whose fibres are in each other's way, and how much that weighs.
+    pub clashes: Option<(&'a Clashes, f64)>,
+    /// The site of each marker.
+    pub sites: &'a [usize],
 }
 
 impl<'a> Codes<'a> {
@@ -47,14 +60,14 @@ impl<'a> Codes<'a> {
         seen_from: &'a [Vec<usize>],
         genes: Vec<u8>,
         patterns: u8,
-        light: Option<(&'a Light, f64)>,
+        lit: Lit<'a>,
     ) -> Codes<'a> {
         let markers = rings.len();
         let mut counts = vec![0; usize::from(patterns) + 1];
         genes.iter().for_each(|&g| counts[usize::from(g)] += 1);
         let alike = vec![0.0; markers * markers];
         let read = vec![Vec::new(); markers];
-        let mut codes = Codes { rings, seen_from, genes, counts, light, read, alike };
+        let mut codes = Codes { rings, seen_from, genes, counts, lit, read, alike };
         codes.refresh(&(0..markers).collect::<Vec<_>>());
         codes
     }
@@ -64,8 +77,20 @@ impl<'a> Codes<'a> {
         let markers = self.genes.len();
         let mean = markers as f64 / (self.counts.len() - 1) as f64;
         let crowd = |&count: &usize| (count as f64 - mean).max(0.0) * (count as f64 - mean).max(0.0);
-        let dark = self.light.map_or(0.0, |(light, weight)| weight * DARK * self.shortage(light));
-        self.confusion() + CROWDED * self.counts[1..].iter().map(crowd).sum::<f64>() + dark
+        let dark = self.lit.light.map_or(0.0, |(light, weight)| weight * DARK * self.shortage(light));
+        let crowded = CROWDED * self.counts[1..].iter().map(crowd).sum::<f64>();
+        let lost = self.lit.clashes.map_or(0.0, |(_, weight)| weight * CLASHING * self.clash_loss());
+        self.confusion() + crowded + dark + lost
+    }
+
+    /// What all fibres lose to those in their way, `∫a ds`.
+    pub fn clash_loss(&self) -> f64 {
+        let Some((clashes, _)) = self.lit.clashes else { return 0.0 };
+        let fibres: Vec<(usize, u8)> =
+            self.lit.sites.iter().copied().zip(self.genes.iter().copied()).collect();
+        let pairs = fibres.iter().enumerate().flat_map(|(k, a)| fibres[..k].iter().map(move |b| (*a, *b)));
+        let sum: u64 = pairs.map(|(a, b)| u64::from(clashes.between(a, b))).sum();
+        sum as f64 * GRAIN_MM2 * LOSS_PER_MM2
     }
 
     /// What all markers together fall short of the goal.
@@ -206,7 +231,7 @@ mod tests {
         let seen_from = rings.seen_from();
         let mut m_sequence = vec![false; rings.len()];
         m_sequence[..6].fill(true);
-        let first = Codes::new(&rings, &seen_from, in_turn(&m_sequence, 4), 4, None);
+        let first = Codes::new(&rings, &seen_from, in_turn(&m_sequence, 4), 4, Lit::default());
         let check = |codes: &Codes| {
             let expected = confusion_by_definition(&rings, &codes.genes);
             assert!((codes.confusion() - expected).abs() < 1e-9, "{} ≠ {expected}", codes.confusion());
@@ -225,7 +250,7 @@ mod tests {
         let images = Images::new(&sites(2));
         let rings = Rings::collect(&images, 0.3, 1);
         let seen_from = rings.seen_from();
-        let codes = Codes::new(&rings, &seen_from, in_turn(&vec![false; rings.len()], 1), 1, None);
+        let codes = Codes::new(&rings, &seen_from, in_turn(&vec![false; rings.len()], 1), 1, Lit::default());
         assert_eq!(codes.anneal(50, ChaCha8Rng::seed_from_u64(4)).genes, vec![M_SEQUENCE; rings.len()]);
     }
 }

@@ -4,6 +4,7 @@
 //!
 //! All sums are of whole numbers or of multiples of 2⁻⁶ mm, so that the cost does not depend on the way a choice was reached.
 
+use crate::codes::M_SEQUENCE;
 use crate::sightlines::Sightlines;
 use fibar_core::artefact::sites::Sites;
 use glam::{DMat3, DVec3};
@@ -32,7 +33,7 @@ const BLIND: f64 = 10.0;
 const DARK: f64 = 0.2;
 /// A marker is bright up to this shortage: 3 % short of the goal.
 const BRIGHT: f64 = 0.001;
-/// A further m-sequence marker beyond the LED's fair share of all markers.
+/// A further marker beyond its LED's fair share of all.
 const CROWDED: f64 = 0.0004;
 
 /// A choice of markers.
@@ -43,7 +44,8 @@ pub struct Coverage<'a> {
     /// Sites relative to the middle, in multiples of 2⁻⁶ mm.
     spots: std::sync::Arc<Vec<DVec3>>,
     light: Option<std::sync::Arc<SiteLight>>,
-    carried: Vec<Option<Blink>>,
+    /// The code of each site's marker, from 1.
+    carried: Vec<Option<u8>>,
     /// By camera, for all markers and for bright ones.
     survey: Vec<[Tally; 2]>,
     survey_cost: i64,
@@ -52,24 +54,16 @@ pub struct Coverage<'a> {
     markers: usize,
     watch: Vec<u32>,
     blind: usize,
-    m_sequences: usize,
-    /// m-sequence markers that cost nothing.
+    /// Markers by code; the first place stays empty.
+    counts: Vec<usize>,
+    /// Markers of one code that cost nothing.
     fair_share: usize,
-}
-
-/// What a marker blinks, as far as coverage goes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Blink {
-    /// The m-sequence.
-    MSequence,
-    /// Any other code.
-    Companion,
 }
 
 /// How well each site can be lit, by what it blinks; and how much that weighs.
 pub struct SiteLight {
-    /// Shortages with the m-sequence and with the best other code.
-    pub shortage: Vec<[f64; 2]>,
+    /// By site, then by code from 1: shortages.
+    pub shortage: Vec<Vec<f64>>,
     /// Beside recognition.
     pub weight: f64,
 }
@@ -109,20 +103,27 @@ impl<'a> Coverage<'a> {
             light: light.map(std::sync::Arc::new),
             watch: vec![0; lines.watch.len()],
             blind: lines.watch.len(),
-            m_sequences: 0,
+            counts: vec![0; usize::from(u8::MAX) + 1],
             fair_share,
             prices: prices.into(),
         }
     }
 
     /// What a site carries.
-    pub fn carried(&self, site: usize) -> Option<Blink> {
+    pub fn carried(&self, site: usize) -> Option<u8> {
         self.carried[site]
     }
 
     /// Whether a site carries a marker that blinks the m-sequence.
     pub fn blinks_m_sequence(&self, site: usize) -> bool {
-        self.carried[site] == Some(Blink::MSequence)
+        self.carried[site] == Some(M_SEQUENCE)
+    }
+
+    /// The code other than the m-sequence by which a site gets most light, of equals the first; without light the first.
+    pub fn brightest_companion(&self, site: usize) -> u8 {
+        let shortage = self.light.as_ref().map_or(&[][..], |light| &light.shortage[site]);
+        let companions = (M_SEQUENCE + 1..).zip(shortage.iter().skip(usize::from(M_SEQUENCE)));
+        companions.min_by(|a, b| a.1.total_cmp(b.1)).map_or(M_SEQUENCE + 1, |(code, _)| code)
     }
 
     /// Directions of the watch, by index, without an m-sequence marker.
@@ -136,8 +137,14 @@ impl<'a> Coverage<'a> {
         let dark = self.light.as_ref().map_or(0.0, |l| l.weight * DARK * self.mean_shortage());
         1e3 * (share(self.survey_cost as f64 * 1e-6, self.lines.survey)
             + BLIND * share(self.blind as f64, self.lines.watch.len())
-            + CROWDED * self.m_sequences.saturating_sub(self.fair_share) as f64
+            + CROWDED * self.beyond_fair_share() as f64
             + dark)
+    }
+
+    /// Markers beyond their LED's fair share; without light only the m-sequence counts, as the others have no codes yet.
+    fn beyond_fair_share(&self) -> usize {
+        let counted = if self.light.is_some() { self.counts.len() } else { usize::from(M_SEQUENCE) + 1 };
+        self.counts[..counted].iter().map(|count| count.saturating_sub(self.fair_share)).sum()
     }
 
     /// Mean shortage of the markers, each with its best code; 0 without light.
@@ -146,11 +153,16 @@ impl<'a> Coverage<'a> {
     }
 
     /// Changes what a site carries.
-    pub fn carry(&mut self, site: usize, blink: Option<Blink>) {
-        let before = std::mem::replace(&mut self.carried[site], blink);
-        let (had, has) = (self.share_of(site, before), self.share_of(site, blink));
+    pub fn carry(&mut self, site: usize, code: Option<u8>) {
+        let before = std::mem::replace(&mut self.carried[site], code);
+        let (had, has) = (self.share_of(site, before), self.share_of(site, code));
+        before.iter().for_each(|&code| self.counts[usize::from(code)] -= 1);
+        code.iter().for_each(|&code| self.counts[usize::from(code)] += 1);
         self.shortage += has.shortage - had.shortage;
         self.markers = self.markers + has.shown[0] - had.shown[0];
+        if (had.shown, had.blinks_m) == (has.shown, has.blinks_m) {
+            return;
+        }
         let tiers = if self.light.is_some() { 2 } else { 1 };
         for &camera in &self.lines.surveyed_by[site] {
             for (tier, tally) in self.survey[camera as usize][..tiers].iter_mut().enumerate() {
@@ -168,7 +180,6 @@ impl<'a> Coverage<'a> {
 
     /// Counts an m-sequence marker that comes or goes for the directions that watch its site.
     fn watch_over(&mut self, site: usize, comes: bool) {
-        self.m_sequences = if comes { self.m_sequences + 1 } else { self.m_sequences - 1 };
         for &direction in &self.lines.watched_by[site] {
             let watched = &mut self.watch[direction as usize];
             self.blind -= usize::from(*watched == 0);
@@ -178,10 +189,10 @@ impl<'a> Coverage<'a> {
     }
 
     /// What a site adds to the tallies when it carries something.
-    fn share_of(&self, site: usize, blink: Option<Blink>) -> Share {
-        let Some(blink) = blink else { return Share::default() };
-        let m_sequence = blink == Blink::MSequence;
-        let shortage = self.light.as_ref().map_or(0.0, |l| l.shortage[site][usize::from(!m_sequence)]);
+    fn share_of(&self, site: usize, code: Option<u8>) -> Share {
+        let Some(code) = code else { return Share::default() };
+        let m_sequence = code == M_SEQUENCE;
+        let shortage = self.light.as_ref().map_or(0.0, |l| l.shortage[site][usize::from(code) - 1]);
         let shown = [1, usize::from(shortage <= BRIGHT)];
         Share {
             shown,
@@ -269,12 +280,12 @@ mod tests {
         let (sites, params) = (sites(4), params(|_| ()));
         let lines = Sightlines::cast(&ball(), &sites, &params);
         let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(5);
-        let dim = |k: usize| [(k % 3) as f64 * 0.4, (k % 5) as f64 * 0.2];
+        let dim = |k: usize| vec![(k % 3) as f64 * 0.4, (k % 5) as f64 * 0.2, (k % 2) as f64 * 0.5];
         let light = || SiteLight { shortage: (0..sites.sites.len()).map(dim).collect(), weight: 1.0 };
         let mut walked = Coverage::blank(&lines, &sites, 0.3, 5, Some(light()));
-        let blinks = [None, Some(Blink::Companion), Some(Blink::MSequence)];
+        let codes = [None, Some(1), Some(2), Some(3)];
         for _ in 0..2000 {
-            walked.carry(rng.random_range(0..sites.sites.len()), blinks[rng.random_range(0..3)]);
+            walked.carry(rng.random_range(0..sites.sites.len()), codes[rng.random_range(0..4)]);
         }
         let mut straight = Coverage::blank(&lines, &sites, 0.3, 5, Some(light()));
         (0..sites.sites.len()).for_each(|k| straight.carry(k, walked.carried(k)));

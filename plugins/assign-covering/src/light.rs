@@ -53,11 +53,6 @@ impl Light {
         let short = (1.0 - reach / self.goal_mm).max(0.0);
         short * short
     }
-
-    /// The least of it over a range of codes.
-    pub fn least_shortage(&self, site: usize, codes: std::ops::RangeInclusive<u8>, crowd: f64) -> f64 {
-        codes.map(|code| self.shortage(site, code, crowd)).fold(1.0, f64::min)
-    }
 }
 
 const HINT: &str = "put bound-light between place-visibility, socket-led and this stage";
@@ -112,7 +107,6 @@ mod tests {
         check(1, 1.0, 0.36);
         check(2, 5.0, 0.04);
         check(2, 4.0 * LED_LIGHT, 0.36);
-        assert_eq!(light.least_shortage(3, 1..=2, 1.0), light.shortage(3, 2, 1.0));
         assert_eq!(light.of(&[4]).shortage(0, 1, 1.0), light.shortage(4, 1, 1.0));
     }
 

@@ -7,6 +7,7 @@
 
 mod sightlines;
 
+mod clashes;
 mod coverage;
 mod light;
 mod places;
@@ -20,11 +21,13 @@ mod annealing;
 mod params;
 
 use annealing::best_of_starts;
-use codes::{Codes, M_SEQUENCE};
+use clashes::Clashes;
+use codes::{Codes, Lit, M_SEQUENCE};
 use coverage::{Coverage, SiteLight};
 use fibar_core::artefact::Document;
 use fibar_core::artefact::bounds::Bounds;
 use fibar_core::artefact::constellation::{Constellation, Marker, Pattern};
+use fibar_core::artefact::courses::Courses;
 use fibar_core::artefact::mesh::TriangleMesh;
 use fibar_core::artefact::sites::Sites;
 use fibar_core::artefact::sockets::Sockets;
@@ -34,7 +37,7 @@ use fibar_core::{MarkerId, PatternId};
 use fibar_plugin::{Description, Job, Stage, StageError, serve};
 use light::Light;
 use params::Params;
-use places::{Choice, Crowd};
+use places::{Choice, Crowd, Terms};
 use rings::{Rings, sites_of};
 use sightlines::Sightlines;
 
@@ -60,6 +63,11 @@ impl Stage for AssignCovering {
             "bounds",
             "What light each LED could bring to each site: then that weighs too.",
         )
+        .optional_input(
+            "courses",
+            "courses",
+            "By which curves: then fibres are kept out of each other's way, too.",
+        )
         .published(
             "constellation",
             "constellation",
@@ -76,8 +84,15 @@ impl Stage for AssignCovering {
         let patterns = codes_for(&sockets, params.code_plan())?;
         let bounds = job.read_optional("bounds")?.map(|bytes| Bounds::from_json(&bytes)).transpose()?;
         let light = bounds.map(|b| Light::new(&b, &sockets, &sites, params.reach_mm)).transpose()?;
-        let task =
-            Task { sites: &sites, light: light.as_ref(), codes: patterns.len() as u8, params: &params };
+        let courses = job.read_optional("courses")?.map(|bytes| Courses::from_json(&bytes)).transpose()?;
+        let clashes = courses.map(|c| Clashes::new(&c, &sockets, &sites)).transpose()?;
+        let task = Task {
+            sites: &sites,
+            light: light.as_ref(),
+            clashes: clashes.as_ref(),
+            codes: patterns.len() as u8,
+            params: &params,
+        };
         let seed = job.seed();
         job.progress(0.02, "sightlines")?;
         let lines = Sightlines::cast(&body, &sites, &params);
@@ -114,39 +129,49 @@ fn seen_sites(sites: &Sites) -> Result<Sites, StageError> {
 struct Task<'a> {
     sites: &'a Sites,
     light: Option<&'a Light>,
+    clashes: Option<&'a Clashes>,
     codes: u8,
     params: &'a Params,
 }
 
-impl Task<'_> {
+impl<'t> Task<'t> {
     /// The best places of all starts, with an m-sequence in sight from everywhere.
     fn choose_places<'a>(
         &self,
         lines: &'a Sightlines,
         crowd: &'a Crowd,
         seed: u64,
-    ) -> Result<Choice<'a>, StageError> {
+    ) -> Result<Choice<'a>, StageError>
+    where
+        't: 'a,
+    {
         let Task { sites, params, .. } = *self;
         let room = sites.sites.len();
         let wanted = params.markers.map_or(room, |m| m as usize);
         let fair_share = wanted.min(room).div_ceil(usize::from(self.codes));
         let light = self.site_light(fair_share as f64);
+        // Without light one code stands for all companions.
+        let codes = if light.is_some() { self.codes } else { self.codes.min(M_SEQUENCE + 1) };
         let blank = Coverage::blank(lines, sites, params.missing_share, fair_share, light);
-        let first = Choice::greedy(blank, crowd, wanted);
+        let first = Choice::greedy(blank, Terms { crowd, codes, clashes: self.clashes(), wanted });
         check_count(first.markers.len(), room, params)?;
         let anneal = |rng| first.clone().anneal(params.place_moves, rng);
-        let best = best_of_starts(params.starts, seed, anneal, |c| c.coverage.cost()).unwrap_or(first);
+        let best = best_of_starts(params.starts, seed, anneal, Choice::cost).unwrap_or(first);
         check_blind(&best.coverage, lines, sites, params)?;
         Ok(best)
+    }
+
+    /// Whose fibres are in each other's way, and how much that weighs; only with light.
+    fn clashes(&self) -> Option<(&'t Clashes, f64)> {
+        let weight =
+            if self.light.is_some() { self.params.light_weight * self.params.clash_weight } else { 0.0 };
+        self.clashes.filter(|_| weight > 0.0).map(|clashes| (clashes, weight))
     }
 
     /// What each site falls short of, with as many markers on each LED as is fair.
     fn site_light(&self, crowd: f64) -> Option<SiteLight> {
         let light = self.light.filter(|_| self.params.light_weight > 0.0)?;
-        let others =
-            if self.codes > M_SEQUENCE { M_SEQUENCE + 1..=self.codes } else { M_SEQUENCE..=M_SEQUENCE };
-        let shortage =
-            |k| [light.shortage(k, M_SEQUENCE, crowd), light.least_shortage(k, others.clone(), crowd)];
+        let shortage = |k| (M_SEQUENCE..=self.codes).map(|code| light.shortage(k, code, crowd)).collect();
         let shortage = (0..self.sites.sites.len()).map(shortage).collect();
         Some(SiteLight { shortage, weight: self.params.light_weight })
     }
@@ -195,6 +220,8 @@ struct Chosen {
     images: Images,
     genes: Vec<u8>,
     confusion: f64,
+    /// Mean loss `∫a ds` by clashes.
+    clash_loss: f64,
 }
 
 impl Chosen {
@@ -209,13 +236,17 @@ impl Chosen {
         let images = Images::new(&sites);
         let rings = Rings::collect(&images, params.missing_share, seed);
         let seen_from = rings.seen_from();
-        let genes = codes::in_turn(&m_sequence, patterns);
+        let chosen = markers.iter().filter_map(|&k| choice.coverage.carried(k));
+        let has_light = light.is_some() && params.light_weight > 0.0;
+        let genes = if has_light { chosen.collect() } else { codes::in_turn(&m_sequence, patterns) };
         let light = light.as_ref().map(|light| (light, params.light_weight));
-        let first = Codes::new(&rings, &seen_from, genes, patterns, light);
+        let lit = Lit { light, clashes: task.clashes(), sites: &markers };
+        let first = Codes::new(&rings, &seen_from, genes, patterns, lit);
         let anneal = |rng| first.clone().anneal(params.code_moves, rng);
         let best = best_of_starts(params.starts, seed, anneal, Codes::cost).unwrap_or(first.clone());
         let (genes, confusion) = (best.genes.clone(), best.confusion());
-        Chosen { sites, images, genes, confusion }
+        let clash_loss = best.clash_loss() / markers.len().max(1) as f64;
+        Chosen { sites, images, genes, confusion, clash_loss }
     }
 
     fn into_constellation(self, patterns: Vec<Pattern>, params: &Params) -> Constellation {
@@ -240,6 +271,7 @@ fn report(choice: &Choice, chosen: &Chosen, candidates: usize, job: &mut Job) {
     job.metric("assign.coverage_cost", choice.coverage.cost(), "1");
     job.metric("assign.shortage", choice.coverage.mean_shortage(), "1");
     job.metric("assign.confusion", chosen.confusion, "1");
+    job.metric("assign.clash_loss", chosen.clash_loss, "1");
     job.metric("assign.m_sequences", m_sequences as f64, "1");
     job.metric("assign.blind_directions", choice.coverage.blind_directions().len() as f64, "1");
 }

@@ -42,6 +42,9 @@ pub struct Params {
     /// With `bounds`: how much light weighs beside recognition; 0 leaves it out.
     #[schemars(range(min = 0.0, max = 1000.0))]
     pub light_weight: f64,
+    /// With `courses`: how much it weighs beside light that fibres lose to those in their way.
+    #[schemars(range(min = 0.0, max = 1000.0))]
+    pub clash_weight: f64,
     /// Share of the directions that may be left without an m-sequence marker in sight; more is an error.
     #[schemars(range(min = 0.0, max = 1.0), extend("unit" = "1"))]
     pub max_blind_share: f64,
@@ -86,6 +89,7 @@ impl Default for Params {
             missing_share: 0.3,
             reach_mm: 1500.0,
             light_weight: 1.0,
+            clash_weight: 1.0,
             max_blind_share: 0.0,
             place_moves: 40_000,
             code_moves: 4_000,

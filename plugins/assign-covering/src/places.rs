@@ -1,18 +1,24 @@
-//! Which sites become markers and which of them blink the m-sequence: greedily, then by annealing.
+//! Which sites become markers and what they blink: greedily, then by annealing. With light, LEDs are chosen along with places, so that
+//! fibres are bright and not in each other's way; without, the codes beside the m-sequence are left to `codes`.
 
 use crate::annealing::Cooling;
-use crate::coverage::{Blink, Coverage};
+use crate::clashes::{Clashes, GRAIN_MM2, LOSS_PER_MM2};
+use crate::codes::M_SEQUENCE;
+use crate::coverage::Coverage;
 use fibar_core::artefact::sites::Sites;
 use rand::RngExt;
 use rand::seq::IndexedRandom;
 use rand_chacha::ChaCha8Rng;
 
-/// Share of the moves that bring a marker to another site; the others change who blinks the m-sequence.
+/// Share of the moves that bring a marker to another site; the others change who blinks what.
 const RELOCATIONS: f64 = 0.7;
 /// Sites around a marker among which half of its relocations end.
 const VICINITY: usize = 24;
 /// Temperatures at the beginning and at the end, in the unit of `Coverage::cost`.
 const HEAT: (f64, f64) = (0.5, 0.005);
+
+/// A mean loss `∫a ds` of 1 by clashes, in the unit of `Coverage::cost`.
+const CLASHING: f64 = 50.0;
 
 /// Who stands in whose way, and who is near.
 pub struct Crowd {
@@ -51,39 +57,90 @@ pub struct Choice<'a> {
     crowd: &'a Crowd,
     /// For every site, markers nearer than the spacing.
     blocked: Vec<u32>,
+    codes: u8,
+    /// Whose fibres are in each other's way, and how much that weighs.
+    clashes: Option<(&'a Clashes, f64)>,
+    /// Sum over all pairs of markers, in multiples of [`GRAIN_MM2`].
+    clash: u64,
+}
+
+/// What a choice is made of and for.
+#[derive(Clone, Copy)]
+pub struct Terms<'a> {
+    /// Which sites crowd each other.
+    pub crowd: &'a Crowd,
+    /// Codes that places are chosen with, the m-sequence included.
+    pub codes: u8,
+    /// Whose fibres are in each other's way, and how much that weighs.
+    pub clashes: Option<(&'a Clashes, f64)>,
+    /// How many markers.
+    pub wanted: usize,
 }
 
 impl<'a> Choice<'a> {
     /// Markers one by one where each brings most, up to `wanted` or until nothing is free, then m-sequences until no further one
     /// brings anything.
-    pub fn greedy(coverage: Coverage<'a>, crowd: &'a Crowd, wanted: usize) -> Choice<'a> {
+    pub fn greedy(coverage: Coverage<'a>, terms: Terms<'a>) -> Choice<'a> {
+        let Terms { crowd, codes, clashes, wanted } = terms;
         let blocked = vec![0; crowd.rivals.len()];
-        let mut choice = Choice { coverage, markers: Vec::new(), crowd, blocked };
+        let mut choice = Choice { coverage, markers: Vec::new(), crowd, blocked, codes, clashes, clash: 0 };
         while choice.markers.len() < wanted {
             let free = (0..choice.blocked.len()).filter(|&k| choice.is_free(k));
-            let Some((_, best)) = choice.best_of(free.collect(), Blink::Companion) else { break };
-            choice.put(best, Blink::Companion);
+            let Some((_, best)) = choice.best_of(free.collect(), |c, site| c.brightest_companion(site))
+            else {
+                break;
+            };
+            choice.put(best);
         }
         loop {
             let companions = choice.markers.iter().copied();
-            let companions =
-                companions.filter(|&k| choice.coverage.carried(k) == Some(Blink::Companion)).collect();
-            let before = choice.coverage.cost();
-            match choice.best_of(companions, Blink::MSequence) {
-                Some((cost, best)) if cost < before => choice.coverage.carry(best, Some(Blink::MSequence)),
+            let companions = companions.filter(|&k| !choice.coverage.blinks_m_sequence(k)).collect();
+            let before = choice.cost();
+            match choice.best_of(companions, |_, _| M_SEQUENCE) {
+                Some((cost, best)) if cost < before => choice.carry(best, Some(M_SEQUENCE)),
                 _ => return choice,
             }
         }
     }
 
-    /// The site where a blink costs least, and that cost; of equals the first.
-    fn best_of(&mut self, sites: Vec<usize>, blink: Blink) -> Option<(f64, usize)> {
+    /// How bad the choice is, in the unit of `Coverage::cost`.
+    pub fn cost(&self) -> f64 {
+        let weight = self.clashes.map_or(0.0, |(_, weight)| weight);
+        self.coverage.cost() + weight * CLASHING * self.mean_clash_loss()
+    }
+
+    /// What a marker's fibre loses in the mean to those in its way, `∫a ds`.
+    pub fn mean_clash_loss(&self) -> f64 {
+        self.clash as f64 * GRAIN_MM2 * LOSS_PER_MM2 / self.markers.len().max(1) as f64
+    }
+
+    /// Changes what a site carries.
+    fn carry(&mut self, site: usize, code: Option<u8>) {
+        self.clash -= self.clash_of(site);
+        self.coverage.carry(site, code);
+        self.clash += self.clash_of(site);
+    }
+
+    /// With the fibres of all others, as the site is now.
+    fn clash_of(&self, site: usize) -> u64 {
+        let Some(((clashes, _), code)) = self.clashes.zip(self.coverage.carried(site)) else { return 0 };
+        let others = self.markers.iter().filter(|&&other| other != site);
+        let with = |&other: &usize| {
+            let carried = self.coverage.carried(other);
+            carried.map_or(0, |blinks| u64::from(clashes.between((site, code), (other, blinks))))
+        };
+        others.map(with).sum()
+    }
+
+    /// The site where the code that `code` names for it costs least, and that cost; of equals the first.
+    fn best_of(&mut self, sites: Vec<usize>, code: impl Fn(&Coverage, usize) -> u8) -> Option<(f64, usize)> {
         let mut best: Option<(f64, usize)> = None;
         for site in sites {
             let before = self.coverage.carried(site);
-            self.coverage.carry(site, Some(blink));
-            let cost = self.coverage.cost();
-            self.coverage.carry(site, before);
+            let next = code(&self.coverage, site);
+            self.carry(site, Some(next));
+            let cost = self.cost();
+            self.carry(site, before);
             if best.is_none_or(|(least, _)| cost < least) {
                 best = Some((cost, site));
             }
@@ -95,11 +152,11 @@ impl<'a> Choice<'a> {
     pub fn anneal(mut self, moves: u32, mut rng: ChaCha8Rng) -> Choice<'a> {
         let mut cooling = Cooling::new(HEAT.0, HEAT.1, moves);
         let mut best = self.clone();
-        let (mut cost, mut least) = (self.coverage.cost(), best.coverage.cost());
+        let (mut cost, mut least) = (self.cost(), best.cost());
         for _ in 0..moves {
             let Some(change) = self.draw_change(&mut rng) else { continue };
             self.make(change);
-            let next = self.coverage.cost();
+            let next = self.cost();
             if !cooling.takes(next - cost, &mut rng) {
                 self.make(change.reversed());
                 continue;
@@ -114,58 +171,53 @@ impl<'a> Choice<'a> {
 
     fn draw_change(&self, rng: &mut ChaCha8Rng) -> Option<Change> {
         let slot = rng.random_range(0..self.markers.len());
+        let site = self.markers[slot];
+        let code = self.coverage.carried(site)?;
         if rng.random::<f64>() < RELOCATIONS {
-            let from = self.markers[slot];
             let to = match rng.random::<bool>() {
-                true => *self.crowd.vicinity[from].choose(rng)?,
+                true => *self.crowd.vicinity[site].choose(rng)?,
                 false => rng.random_range(0..self.blocked.len()),
             };
-            let blocked_by_others = self.blocked[to] - u32::from(self.crowd.rivals[to].contains(&from));
+            let blocked_by_others = self.blocked[to] - u32::from(self.crowd.rivals[to].contains(&site));
             let free = blocked_by_others == 0 && self.coverage.carried(to).is_none();
-            return free.then_some(Change::Move { slot, from, to });
+            let recode = code != M_SEQUENCE && rng.random::<bool>();
+            let there = if recode { self.coverage.brightest_companion(to) } else { code };
+            return free.then_some(Change::Move { slot, from: (site, code), to: (to, there) });
         }
-        let site = self.markers[slot];
         if rng.random::<bool>() {
-            return Some(Change::Toggle { site });
+            let drawn = rng.random_range(M_SEQUENCE..=self.codes.max(M_SEQUENCE + 1));
+            return (drawn != code).then_some(Change::Recode { site, from: code, to: drawn });
         }
         let other = *self.markers.choose(rng)?;
-        (self.coverage.carried(site) != self.coverage.carried(other)).then_some(Change::Swap { site, other })
+        let codes = [code, self.coverage.carried(other)?];
+        (codes[0] != codes[1]).then_some(Change::Swap { sites: [site, other], codes })
     }
 
     fn make(&mut self, change: Change) {
         match change {
-            Change::Move { slot, from, to } => {
-                let blink = self.coverage.carried(from);
-                self.coverage.carry(from, None);
-                self.coverage.carry(to, blink);
+            Change::Move { slot, from: (from, _), to: (to, code) } => {
+                self.carry(from, None);
                 self.block(from, false);
-                self.block(to, true);
                 self.markers[slot] = to;
+                self.carry(to, Some(code));
+                self.block(to, true);
             }
-            Change::Toggle { site } => self.toggle(site),
-            Change::Swap { site, other } => {
-                self.toggle(site);
-                self.toggle(other);
+            Change::Recode { site, to, .. } => self.carry(site, Some(to)),
+            Change::Swap { sites, codes } => {
+                self.carry(sites[0], Some(codes[1]));
+                self.carry(sites[1], Some(codes[0]));
             }
         }
-    }
-
-    fn toggle(&mut self, site: usize) {
-        let toggled = match self.coverage.carried(site) {
-            Some(Blink::MSequence) => Blink::Companion,
-            _ => Blink::MSequence,
-        };
-        self.coverage.carry(site, Some(toggled));
     }
 
     fn is_free(&self, site: usize) -> bool {
         self.blocked[site] == 0 && self.coverage.carried(site).is_none()
     }
 
-    fn put(&mut self, site: usize, blink: Blink) {
-        self.coverage.carry(site, Some(blink));
-        self.block(site, true);
+    fn put(&mut self, site: usize) {
         self.markers.push(site);
+        self.carry(site, Some(self.coverage.brightest_companion(site)));
+        self.block(site, true);
     }
 
     fn block(&mut self, site: usize, put: bool) {
@@ -175,19 +227,20 @@ impl<'a> Choice<'a> {
     }
 }
 
-/// A step to a neighbouring choice.
+/// A step to a neighbouring choice; sites with their codes.
 #[derive(Clone, Copy)]
 enum Change {
-    Move { slot: usize, from: usize, to: usize },
-    Toggle { site: usize },
-    Swap { site: usize, other: usize },
+    Move { slot: usize, from: (usize, u8), to: (usize, u8) },
+    Recode { site: usize, from: u8, to: u8 },
+    Swap { sites: [usize; 2], codes: [u8; 2] },
 }
 
 impl Change {
     fn reversed(self) -> Change {
         match self {
             Change::Move { slot, from, to } => Change::Move { slot, from: to, to: from },
-            same => same,
+            Change::Recode { site, from, to } => Change::Recode { site, from: to, to: from },
+            Change::Swap { sites, codes: [one, other] } => Change::Swap { sites, codes: [other, one] },
         }
     }
 }

@@ -48,7 +48,7 @@ fn run(sites: &Sites, params: &Params) -> Result<Constellation, StageError> {
     let sites = seen_sites(sites)?;
     let lines = Sightlines::cast(&ball(), &sites, params);
     let crowd = Crowd::new(&sites, params.spacing_mm);
-    let task = Task { sites: &sites, light: None, codes: 7, params };
+    let task = Task { sites: &sites, light: None, clashes: None, codes: 7, params };
     let choice = task.choose_places(&lines, &crowd, 1)?;
     let codes = fibar_core::code::design_codes(4, 3, 6).unwrap();
     let patterns = codes.into_iter().map(|c| Pattern { id: c.pattern, bits: c.bits }).collect();

@@ -6,9 +6,11 @@
 mod pairs;
 mod params;
 
+use fibar_core::LedId;
 use fibar_core::artefact::Document;
 use fibar_core::artefact::bounds::{Bounds, Target};
 use fibar_core::artefact::constellation::Constellation;
+use fibar_core::artefact::courses::{Courses, Reached};
 use fibar_core::artefact::mesh::TriangleMesh;
 use fibar_core::artefact::sites::Sites;
 use fibar_core::artefact::sockets::Sockets;
@@ -29,36 +31,45 @@ impl Stage for BoundLight {
             .optional_input("sites", "sites", "The places, unless there is a constellation.")
             .optional_input("constellation", "constellation", "The places: its markers.")
             .published("bounds", "bounds", "bounds.json", "What each LED could bring to each place.")
+            .output("courses", "courses", "The best curve known of every pair.")
     }
 
     fn run(params: Params, job: &mut Job) -> Result<(), StageError> {
         let body = TriangleMesh::from_ply(&job.read("body")?)?;
         let sockets = Sockets::from_json(&job.read("sockets")?)?;
-        let places = places(job)?;
+        let (places, file) = places(job)?;
         params.check()?;
-        let targets = pairs::bound(&body, &sockets, &places, &params, job)?;
+        let (targets, reached): (Vec<Target>, Vec<Reached>) =
+            pairs::bound(&body, &sockets, &places, &params, job)?.into_iter().unzip();
         report_metrics(&targets, job);
+        let leds: Vec<LedId> = sockets.sockets.iter().map(|s| s.led).collect();
+        let courses = Courses::new(leds.clone(), reached);
         let bounds = Bounds {
             format: Bounds::FORMAT.into(),
             law: params.light(),
             min_bend_radius_mm: params.min_bend_radius_mm,
             wall_mm: params.wall_mm,
             arrival_tilt_deg: params.arrival_tilt_deg,
-            leds: sockets.sockets.iter().map(|s| s.led).collect(),
+            leds,
             targets,
         };
-        job.write("bounds", "bounds.json", &bounds.to_json())
+        job.write("courses", "courses.json", &courses.to_json())?;
+        job.write("bounds", file, &bounds.to_json())
     }
 }
 
-/// Places with their normals: markers if there are any, else sites.
-fn places(job: &Job) -> Result<Vec<(DVec3, DVec3)>, StageError> {
+/// Places with their normals: markers if there are any, else sites. And the file for their bounds: a recipe may have both.
+fn places(job: &Job) -> Result<(Vec<(DVec3, DVec3)>, &'static str), StageError> {
     if let Some(bytes) = job.read_optional("constellation")? {
         let constellation = Constellation::from_json(&bytes)?;
-        return Ok(constellation.markers.iter().map(|m| (m.position, m.normal)).collect());
+        let places = constellation.markers.iter().map(|m| (m.position, m.normal)).collect();
+        return Ok((places, "bounds-of-markers.json"));
     }
     match job.read_optional("sites")? {
-        Some(bytes) => Ok(Sites::from_json(&bytes)?.sites.iter().map(|s| (s.position, s.normal)).collect()),
+        Some(bytes) => {
+            let places = Sites::from_json(&bytes)?.sites.iter().map(|s| (s.position, s.normal)).collect();
+            Ok((places, "bounds.json"))
+        }
         None => Err(StageError::user("there are no places to bound: neither sites nor a constellation")
             .hint("put the stage behind place-visibility or assign-…")),
     }

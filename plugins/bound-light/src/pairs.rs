@@ -2,9 +2,10 @@
 
 use crate::params::{Effort, Params};
 use fibar_core::artefact::bounds::Target;
+use fibar_core::artefact::courses::{Reached, rounded};
 use fibar_core::artefact::mesh::TriangleMesh;
 use fibar_core::artefact::sockets::{Socket, Sockets};
-use fibar_geometry::alone::{AloneOptions, World, find};
+use fibar_geometry::alone::{Alone, AloneOptions, World, find};
 use fibar_geometry::bound::LeastLoss;
 use fibar_geometry::bound::reach::Reach;
 use fibar_geometry::course::nodes::Tables;
@@ -20,14 +21,14 @@ use rayon::prelude::*;
 /// Targets bounded between two reports of progress.
 const BATCH: usize = 32;
 
-/// Bounds for every place, in order.
+/// Bounds for every place, in order, and the curves by which it is reached.
 pub fn bound(
     body: &TriangleMesh,
     sockets: &Sockets,
     places: &[(DVec3, DVec3)],
     params: &Params,
     job: &mut Job,
-) -> Result<Vec<Target>, StageError> {
+) -> Result<Vec<(Target, Reached)>, StageError> {
     job.progress(0.0, "room")?;
     let surface = Surface::new(body).map_err(|e| StageError::input(format!("body: {e}")))?;
     let keeping = Keeping { radius: params.fibre_radius_mm, skin: params.skin_mm, wall: params.wall_mm };
@@ -52,7 +53,7 @@ pub fn bound(
     let mut targets = Vec::with_capacity(places.len());
     for batch in places.chunks(BATCH) {
         job.progress(0.1 + 0.9 * targets.len() as f64 / places.len() as f64, "pairs")?;
-        let bounded: Vec<Target> = batch
+        let bounded: Vec<(Target, Reached)> = batch
             .par_iter()
             .map(|place| target(&world, (&least, &reach), sockets, &ways, *place, params))
             .collect();
@@ -68,22 +69,30 @@ fn target(
     ways: &[Option<Ways>],
     (position, normal): (DVec3, DVec3),
     params: &Params,
-) -> Target {
+) -> (Target, Reached) {
     let mut target = Target { position, normal, certified_mm: vec![], best_mm: vec![] };
+    let mut curves = vec![];
     for ((socket, ways), reach) in sockets.sockets.iter().zip(ways).zip(reach) {
         let ends = Ends { tip: socket.position, axis: socket.axis, marker: position, normal };
         let (best, certified) = match reach.reaches(ends) {
             true => lights(world, least, ends, ways.as_ref(), params.effort),
-            false => (0.0, 0.0),
+            false => (None, 0.0),
         };
-        target.best_mm.push(best);
+        target.best_mm.push(best.as_ref().map_or(0.0, |best| best.throughput.d_cam_mm));
         target.certified_mm.push(certified);
+        curves.push(best.map_or(vec![], |best| best.course.points.iter().map(|p| rounded(*p)).collect()));
     }
-    target
+    (target, Reached { position, curves })
 }
 
-/// d_cam of the best course known, mm, 0 if none is; and the one that no course between these ends exceeds.
-fn lights(world: &World, least: &LeastLoss, ends: Ends, ways: Option<&Ways>, effort: Effort) -> (f64, f64) {
+/// The best course known, if any is; and the d_cam, mm, that no course between these ends exceeds.
+fn lights(
+    world: &World,
+    least: &LeastLoss,
+    ends: Ends,
+    ways: Option<&Ways>,
+    effort: Effort,
+) -> (Option<Alone>, f64) {
     const FAINTEST: f64 = 20.0; // d_cam is 0.3 mm
     const BEYOND_BEST: f64 = 0.5; // so that a bound that the best known breaks shows
     let (keep, options, attempts) = match effort {
@@ -91,8 +100,8 @@ fn lights(world: &World, least: &LeastLoss, ends: Ends, ways: Option<&Ways>, eff
         Effort::Normal => (2, AloneOptions { span: 7.5, iterations: 120, rounds: 6 }, 12),
         Effort::Thorough => (usize::MAX, AloneOptions { span: 6.0, iterations: 500, rounds: 8 }, 60),
     };
-    let best = find(world, ends, ways, keep, &options).map(|alone| alone.throughput);
-    let enough = best.map_or(FAINTEST, |best| best.loss + BEYOND_BEST);
+    let best = find(world, ends, ways, keep, &options);
+    let enough = best.as_ref().map_or(FAINTEST, |best| best.throughput.loss + BEYOND_BEST);
     let certified = world.absorption.d_cam_mm(least.between(ends, world.freedom, enough, attempts));
-    (best.map_or(0.0, |best| best.d_cam_mm), certified)
+    (best, certified)
 }
