@@ -37,10 +37,10 @@ impl Stage for BoundLight {
     fn run(params: Params, job: &mut Job) -> Result<(), StageError> {
         let body = TriangleMesh::from_ply(&job.read("body")?)?;
         let sockets = Sockets::from_json(&job.read("sockets")?)?;
-        let (places, file) = places(job)?;
+        let Places { spots, file } = Places::read(job)?;
         params.check()?;
         let (targets, reached): (Vec<Target>, Vec<Reached>) =
-            pairs::bound(&body, &sockets, &places, &params, job)?.into_iter().unzip();
+            pairs::bound(&body, &sockets, &spots, &params, job)?.into_iter().unzip();
         report_metrics(&targets, job);
         let leds: Vec<LedId> = sockets.sockets.iter().map(|s| s.led).collect();
         let courses = Courses::new(leds.clone(), reached);
@@ -58,20 +58,26 @@ impl Stage for BoundLight {
     }
 }
 
-/// Places with their normals: markers if there are any, else sites. And the file for their bounds: a recipe may have both.
-fn places(job: &Job) -> Result<(Vec<(DVec3, DVec3)>, &'static str), StageError> {
-    if let Some(bytes) = job.read_optional("constellation")? {
-        let constellation = Constellation::from_json(&bytes)?;
-        let places = constellation.markers.iter().map(|m| (m.position, m.normal)).collect();
-        return Ok((places, "bounds-of-markers.json"));
-    }
-    match job.read_optional("sites")? {
-        Some(bytes) => {
-            let places = Sites::from_json(&bytes)?.sites.iter().map(|s| (s.position, s.normal)).collect();
-            Ok((places, "bounds.json"))
+/// What is bounded: places with their normals, and the file for it, as a recipe may have both.
+struct Places {
+    spots: Vec<(DVec3, DVec3)>,
+    file: &'static str,
+}
+
+impl Places {
+    /// Markers if there are any, else sites.
+    fn read(job: &Job) -> Result<Places, StageError> {
+        if let Some(bytes) = job.read_optional("constellation")? {
+            let markers = Constellation::from_json(&bytes)?.markers;
+            let spots = markers.iter().map(|m| (m.position, m.normal)).collect();
+            return Ok(Places { spots, file: "bounds-of-markers.json" });
         }
-        None => Err(StageError::user("there are no places to bound: neither sites nor a constellation")
-            .hint("put the stage behind place-visibility or assign-…")),
+        let Some(bytes) = job.read_optional("sites")? else {
+            let message = "there are no places to bound: neither sites nor a constellation";
+            return Err(StageError::user(message).hint("put the stage behind place-visibility or assign-…"));
+        };
+        let sites = Sites::from_json(&bytes)?.sites;
+        Ok(Places { spots: sites.iter().map(|s| (s.position, s.normal)).collect(), file: "bounds.json" })
     }
 }
 

@@ -33,6 +33,23 @@ impl Base {
         (total > 0.0).then(|| moment / total)
     }
 
+    /// Area of the base, mm².
+    pub fn area(&self) -> f64 {
+        self.faces.iter().map(|[a, b, c]| (*b - *a).perp_dot(*c - *a).abs() / 2.0).sum()
+    }
+
+    /// Points of a square grid over the base, nearest to its centroid first, with the needed room around each.
+    pub fn roomy_places(&self, step: f64, needed: f64) -> Vec<DVec2> {
+        let Some(centroid) = self.centroid() else { return vec![] };
+        let places = self.grid(centroid, step);
+        places.into_iter().filter(|place| self.has_room(*place, needed)).collect()
+    }
+
+    /// Whether a socket that needs so much room has it here.
+    pub fn fits(&self, axis: DVec2, needed: f64) -> bool {
+        self.has_room(axis, needed)
+    }
+
     /// The centre nearest to `wish` around which every offset has the needed room; if there is none, the one whose
     /// tightest offset has the most.
     pub fn nearest_place(&self, wish: DVec2, offsets: &[DVec2], needed: f64) -> DVec2 {
@@ -71,7 +88,14 @@ impl Base {
         let corners = || self.faces.iter().flatten();
         let low = corners().fold(wish, |low, p| low.min(*p));
         let high = corners().fold(wish, |high, p| high.max(*p));
-        let step = SEARCH_STEP.max((high - low).max_element() / SEARCH_STEPS);
+        self.grid(wish, SEARCH_STEP.max((high - low).max_element() / SEARCH_STEPS))
+    }
+
+    /// Points of a square grid through `wish` over the base, nearest first.
+    fn grid(&self, wish: DVec2, step: f64) -> Vec<DVec2> {
+        let corners = || self.faces.iter().flatten();
+        let low = corners().fold(wish, |low, p| low.min(*p));
+        let high = corners().fold(wish, |high, p| high.max(*p));
         let steps = |from: f64, to: f64| ((to - from) / step).floor() as i32;
         let columns = -steps(low.x, wish.x)..=steps(wish.x, high.x);
         let rows = -steps(low.y, wish.y)..=steps(wish.y, high.y);

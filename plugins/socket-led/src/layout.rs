@@ -12,6 +12,8 @@ pub fn offsets(params: &Params) -> Vec<DVec2> {
         Layout::Ring => ring(params.pitch_mm, count),
         Layout::Grid => grid(params.pitch_mm, count),
         Layout::Free => params.places_mm.iter().map(|place| DVec2::from(*place)).collect(),
+        // Found by `best`.
+        Layout::Best => vec![],
     };
     let (sine, cosine) = libm::sincos(params.rotation_deg.to_radians());
     places.into_iter().map(|place| DVec2::new(cosine, sine).rotate(place)).collect()

@@ -5,6 +5,7 @@
 //! lie inside the body, or the stage says where they do not.
 
 mod base;
+mod best;
 mod face;
 mod layout;
 mod outline;
@@ -54,12 +55,16 @@ impl Stage for SocketLed {
 fn place_sockets(body: &TriangleMesh, params: &Params) -> Result<(Sockets, f64), StageError> {
     params.check()?;
     let face = Face::choose(body, params)?;
-    let offsets = layout::offsets(params);
-    let base = Base::new(&face.lay_down(body), params.flatness_mm, params.depth_mm + params.lead_mm);
+    let laid = face.lay_down(body);
+    let base = Base::new(&laid, params.flatness_mm, params.depth_mm + params.lead_mm);
     let Some(centroid) = base.centroid() else { return Err(no_base(body)) };
+    let offsets = match params.layout {
+        Layout::Best => best::places(&laid, &base, params)?,
+        _ => layout::offsets(params),
+    };
     let centre = match (params.centre_mm, params.layout) {
         (Some(centre), _) => DVec2::from(centre),
-        (None, Layout::Free) => DVec2::ZERO,
+        (None, Layout::Free | Layout::Best) => DVec2::ZERO,
         (None, _) => base.nearest_place(centroid, &offsets, params.needed_room_mm()),
     };
     check_apart(&offsets, centre, &face, params)?;

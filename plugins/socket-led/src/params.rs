@@ -62,6 +62,8 @@ pub enum Layout {
     Grid,
     /// At `places_mm`.
     Free,
+    /// Where they bring most light to this object's surface, `pitch_mm` apart or more.
+    Best,
 }
 
 impl Default for Params {
@@ -107,6 +109,12 @@ impl Params {
                 Err(StageError::user("there is no place for an LED")
                     .param("/places_mm")
                     .hint("layout = \"free\" needs places_mm = [[x, y], …]"))
+            }
+            Layout::Best if self.centre_mm.is_some() || self.rotation_deg != 0.0 => {
+                let param = if self.centre_mm.is_some() { "/centre_mm" } else { "/rotation_deg" };
+                Err(StageError::user("the best places are found, not moved or turned")
+                    .param(param)
+                    .hint("leave it out, or choose another layout"))
             }
             _ => Ok(()),
         }
