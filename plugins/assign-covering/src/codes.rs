@@ -7,6 +7,7 @@
 
 use crate::annealing::Cooling;
 use crate::clashes::{Clashes, GRAIN_MM2, LOSS_PER_MM2};
+use crate::coverage::HOPELESS;
 use crate::light::Light;
 use crate::rings::Rings;
 use fibar_core::levenshtein::Needle;
@@ -134,11 +135,15 @@ impl<'a> Codes<'a> {
     fn draw_change(&self, free: &[usize], rng: &mut ChaCha8Rng) -> Option<[(usize, u8); 2]> {
         let (&one, &other) = (free.choose(rng)?, free.choose(rng)?);
         let (code, other_code) = (self.genes[one], self.genes[other]);
+        let reached = |marker: usize, code: u8| {
+            self.lit.light.is_none_or(|(light, _)| light.shortage(marker, code, 1.0) < HOPELESS)
+        };
         if rng.random::<bool>() {
-            return (code != other_code).then_some([(one, other_code), (other, code)]);
+            let new = code != other_code && reached(one, other_code) && reached(other, code);
+            return new.then_some([(one, other_code), (other, code)]);
         }
         let drawn = rng.random_range(M_SEQUENCE + 1..self.counts.len().max(3) as u8);
-        (drawn != code && one != other && usize::from(drawn) < self.counts.len())
+        (drawn != code && one != other && usize::from(drawn) < self.counts.len() && reached(one, drawn))
             .then_some([(one, drawn), (other, other_code)])
     }
 

@@ -31,6 +31,8 @@ struct Prices {
 const BLIND: f64 = 10.0;
 /// All markers in the dark.
 const DARK: f64 = 0.2;
+/// The shortage of a pair without any fibre, which nothing else has.
+pub const HOPELESS: f64 = 1.0;
 /// A marker is bright up to this shortage: 3 % short of the goal.
 const BRIGHT: f64 = 0.001;
 /// A further marker beyond its LED's fair share of all.
@@ -117,6 +119,11 @@ impl<'a> Coverage<'a> {
     /// Whether a site carries a marker that blinks the m-sequence.
     pub fn blinks_m_sequence(&self, site: usize) -> bool {
         self.carried[site] == Some(M_SEQUENCE)
+    }
+
+    /// Whether no fibre is known by which this code's LED reaches a site.
+    pub fn is_hopeless(&self, site: usize, code: u8) -> bool {
+        self.light.as_ref().is_some_and(|light| light.shortage[site][usize::from(code) - 1] >= HOPELESS)
     }
 
     /// The code other than the m-sequence by which a site gets most light, of equals the first; without light the first.

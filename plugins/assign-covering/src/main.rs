@@ -75,6 +75,7 @@ impl Stage for AssignCovering {
             "Markers, codes and the lookup table.",
         )
         .seeded()
+        .memory_mb(500) // what pairs of courses cost each other is kept
     }
 
     fn run(params: Params, job: &mut Job) -> Result<(), StageError> {
@@ -83,6 +84,7 @@ impl Stage for AssignCovering {
         let sockets = Sockets::from_json(&job.read("sockets")?)?;
         let patterns = codes_for(&sockets, params.code_plan())?;
         let bounds = job.read_optional("bounds")?.map(|bytes| Bounds::from_json(&bytes)).transpose()?;
+        let sites = bounds.as_ref().map_or(Ok(sites.clone()), |bounds| reached_sites(&sites, bounds))?;
         let light = bounds.map(|b| Light::new(&b, &sockets, &sites, params.reach_mm)).transpose()?;
         let courses = job.read_optional("courses")?.map(|bytes| Courses::from_json(&bytes)).transpose()?;
         let clashes = courses.map(|c| Clashes::new(&c, &sockets, &sites)).transpose()?;
@@ -123,6 +125,27 @@ fn seen_sites(sites: &Sites) -> Result<Sites, StageError> {
     );
     let hint = "in place-visibility make spacing_mm smaller or emission_limit_deg larger";
     Err(StageError::input(message).hint(hint).place_mm(sites.centre.to_array()))
+}
+
+/// The sites without those that no LED reaches.
+fn reached_sites(sites: &Sites, bounds: &Bounds) -> Result<Sites, StageError> {
+    let is_dark =
+        |position| bounds.target_at(position).is_some_and(|t| t.best_mm.iter().all(|mm| *mm == 0.0));
+    let (dark, reached): (Vec<usize>, Vec<usize>) =
+        (0..sites.sites.len()).partition(|&k| is_dark(sites.sites[k].position));
+    if reached.len() >= POSE_NEEDS {
+        return Ok(sites_of(sites, &reached));
+    }
+    let message = format!(
+        "only {} of {} candidate places can be reached by any LED; a pose needs {POSE_NEEDS} markers",
+        reached.len(),
+        sites.sites.len()
+    );
+    let error = StageError::input(message).hint(
+        "move the sockets, scale the body up, or lower min_bend_radius_mm and wall_mm of bound-light and of the router",
+    );
+    let place = dark.first().map(|&k| sites.sites[k].position);
+    Err(place.map_or(error.clone(), |place| error.place_mm(place.to_array())))
 }
 
 /// What is to be done.

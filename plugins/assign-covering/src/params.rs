@@ -87,7 +87,7 @@ impl Default for Params {
             survey_frequency: 6,
             watch_frequency: 12,
             missing_share: 0.3,
-            reach_mm: 1500.0,
+            reach_mm: 1600.0,
             light_weight: 1.0,
             clash_weight: 1.0,
             max_blind_share: 0.0,

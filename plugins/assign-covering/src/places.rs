@@ -85,7 +85,8 @@ impl<'a> Choice<'a> {
         let blocked = vec![0; crowd.rivals.len()];
         let mut choice = Choice { coverage, markers: Vec::new(), crowd, blocked, codes, clashes, clash: 0 };
         while choice.markers.len() < wanted {
-            let free = (0..choice.blocked.len()).filter(|&k| choice.is_free(k));
+            let reached = |k: usize| !choice.coverage.is_hopeless(k, choice.coverage.brightest_companion(k));
+            let free = (0..choice.blocked.len()).filter(|&k| choice.is_free(k) && reached(k));
             let Some((_, best)) = choice.best_of(free.collect(), |c, site| c.brightest_companion(site))
             else {
                 break;
@@ -94,7 +95,10 @@ impl<'a> Choice<'a> {
         }
         loop {
             let companions = choice.markers.iter().copied();
-            let companions = companions.filter(|&k| !choice.coverage.blinks_m_sequence(k)).collect();
+            let open = |k: usize| {
+                !choice.coverage.blinks_m_sequence(k) && !choice.coverage.is_hopeless(k, M_SEQUENCE)
+            };
+            let companions = companions.filter(|&k| open(k)).collect();
             let before = choice.cost();
             match choice.best_of(companions, |_, _| M_SEQUENCE) {
                 Some((cost, best)) if cost < before => choice.carry(best, Some(M_SEQUENCE)),
@@ -182,15 +186,19 @@ impl<'a> Choice<'a> {
             let free = blocked_by_others == 0 && self.coverage.carried(to).is_none();
             let recode = code != M_SEQUENCE && rng.random::<bool>();
             let there = if recode { self.coverage.brightest_companion(to) } else { code };
-            return free.then_some(Change::Move { slot, from: (site, code), to: (to, there) });
+            let reached = !self.coverage.is_hopeless(to, there);
+            return (free && reached).then_some(Change::Move { slot, from: (site, code), to: (to, there) });
         }
         if rng.random::<bool>() {
             let drawn = rng.random_range(M_SEQUENCE..=self.codes.max(M_SEQUENCE + 1));
-            return (drawn != code).then_some(Change::Recode { site, from: code, to: drawn });
+            let new = drawn != code && !self.coverage.is_hopeless(site, drawn);
+            return new.then_some(Change::Recode { site, from: code, to: drawn });
         }
         let other = *self.markers.choose(rng)?;
         let codes = [code, self.coverage.carried(other)?];
-        (codes[0] != codes[1]).then_some(Change::Swap { sites: [site, other], codes })
+        let reached =
+            !self.coverage.is_hopeless(site, codes[1]) && !self.coverage.is_hopeless(other, codes[0]);
+        (codes[0] != codes[1] && reached).then_some(Change::Swap { sites: [site, other], codes })
     }
 
     fn make(&mut self, change: Change) {

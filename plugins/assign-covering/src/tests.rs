@@ -125,3 +125,28 @@ fn errors_say_what_is_wrong() {
     check(&bald, params(|_| ()), "no m-sequence marker is surely in sight from");
     assert!(run(&bald, &params(|p| p.max_blind_share = 1.0)).is_ok());
 }
+
+#[test]
+fn places_that_no_led_reaches_are_left_out_and_too_few_others_are_an_error() {
+    let all = sites(3);
+    let bounds = |lit: usize| Bounds {
+        format: "fibar.bounds/1".into(),
+        law: fibar_core::light::LightLaw::TONE_2020,
+        min_bend_radius_mm: 12.0,
+        wall_mm: 0.0,
+        arrival_tilt_deg: 0.0,
+        leds: vec![fibar_core::LedId(0)],
+        targets: (0..)
+            .zip(&all.sites)
+            .map(|(k, s)| fibar_core::artefact::bounds::Target {
+                position: s.position,
+                normal: s.normal,
+                certified_mm: vec![900.0],
+                best_mm: vec![if k < lit { 800.0 } else { 0.0 }],
+            })
+            .collect(),
+    };
+    assert_eq!(reached_sites(&all, &bounds(40)).unwrap().sites.len(), 40);
+    let error = reached_sites(&all, &bounds(3)).unwrap_err().to_string();
+    assert!(error.contains("only 3 of 92 candidate places can be reached by any LED"), "{error}");
+}
