@@ -1,4 +1,4 @@
-//! The room for axes of fibres: how far from the skin and from the LEDs' holes a place lies, sampled and exactly.
+//! The room for axes of fibres: how far from the skin, the LEDs' holes and other cavities a place lies, sampled and exactly.
 //!
 //! *Slack* is what is left of the distance to the body's surface after the fibre's outer radius, the skin and the wall, or of the
 //! distance to a hole after the outer radius and the wall, whichever is less; negative where an axis must not run. Near its
@@ -6,7 +6,7 @@
 
 use crate::curve::Curve;
 use crate::distance::{DistanceGrid, GridOptions, Lattice, Surface};
-use fibar_core::artefact::sockets::{Hole, Sockets};
+use fibar_core::artefact::sockets::{Cavity, Section, Sockets};
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -34,7 +34,7 @@ pub struct RoomOptions {
 pub struct Room {
     surface: Surface,
     keeping: Keeping,
-    holes: Vec<Cylinder>,
+    holes: Vec<Cavity>,
     lattice: Lattice,
     slack: Vec<f64>,
 }
@@ -48,13 +48,12 @@ impl Room {
         let RoomOptions { spacing, band } = options;
         let grid = DistanceGrid::sample(&surface, GridOptions { spacing, margin: 2.0, band });
         let lattice = *grid.lattice();
-        let holes: Vec<Cylinder> =
-            sockets.sockets.iter().map(|s| Cylinder::of(s.position, s.axis, &sockets.hole)).collect();
+        let holes = all_holes(sockets);
         let inset = keeping.radius + keeping.skin + keeping.wall;
         let beside = keeping.radius + keeping.wall;
         let slack = |n: usize| {
             let body = -grid.samples()[n] - inset;
-            holes.iter().fold(body, |least, hole| least.min(hole.distance(lattice.place(n)) - beside))
+            holes.iter().fold(body, |least, hole| least.min(distance(hole, lattice.place(n)) - beside))
         };
         let slack = (0..lattice.len()).into_par_iter().map(slack).collect();
         Room { surface, keeping, holes, lattice, slack }
@@ -108,7 +107,7 @@ impl Room {
             None => -reach - inset,
         };
         let beside = radius + wall;
-        self.holes.iter().fold(body.min(enough), |least, hole| least.min(hole.distance(place) - beside))
+        self.holes.iter().fold(body.min(enough), |least, hole| least.min(distance(hole, place) - beside))
     }
 
     /// The least slack along a curve, its ends excepted, to `tolerance` mm: never more than the true one; and its parameter.
@@ -188,26 +187,60 @@ impl Stretch {
     }
 }
 
-/// The hole of an LED.
-#[derive(Clone, Copy, Debug)]
-struct Cylinder {
-    tip: DVec3,
-    axis: DVec3,
-    radius: f64,
-    depth: f64,
+/// The holes of the LEDs as cavities, and the cavities.
+fn all_holes(sockets: &Sockets) -> Vec<Cavity> {
+    let hole = |socket: &fibar_core::artefact::sockets::Socket| Cavity {
+        name: format!("LED {}", socket.led),
+        position: socket.position,
+        axis: socket.axis,
+        across: socket.axis.any_orthonormal_vector(),
+        section: Section::Circle { diameter_mm: sockets.hole.diameter_mm },
+        depth_mm: sockets.hole.depth_mm,
+    };
+    sockets.sockets.iter().map(hole).chain(sockets.cavities.iter().cloned()).collect()
 }
 
-impl Cylinder {
-    fn of(tip: DVec3, axis: DVec3, hole: &Hole) -> Cylinder {
-        Cylinder { tip, axis, radius: 0.5 * hole.diameter_mm, depth: hole.depth_mm }
-    }
+/// Distance to a cavity, mm; 0 inside.
+fn distance(cavity: &Cavity, place: DVec3) -> f64 {
+    let from_ceiling = place - cavity.position;
+    let height = from_ceiling.dot(cavity.axis);
+    let flat = from_ceiling - height * cavity.axis;
+    let beside = match cavity.section {
+        Section::Circle { diameter_mm } => (flat.length() - 0.5 * diameter_mm).max(0.0),
+        Section::Rectangle { width_mm, length_mm } => {
+            let (u, v) = (flat.dot(cavity.across), flat.dot(cavity.axis.cross(cavity.across)));
+            libm::hypot((u.abs() - 0.5 * width_mm).max(0.0), (v.abs() - 0.5 * length_mm).max(0.0))
+        }
+    };
+    libm::hypot(beside, height.max(-height - cavity.depth_mm).max(0.0))
+}
 
-    /// Distance, mm; 0 inside.
-    fn distance(&self, place: DVec3) -> f64 {
-        let from_tip = place - self.tip;
-        let height = from_tip.dot(self.axis);
-        let beside = ((from_tip - height * self.axis).length() - self.radius).max(0.0);
-        let beyond = height.max(-height - self.depth).max(0.0);
-        libm::hypot(beside, beyond)
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn axes_keep_away_from_cavities_as_from_holes() {
+        let board = Cavity {
+            name: "board".into(),
+            position: DVec3::new(5.0, 0.0, 6.0),
+            axis: DVec3::Z,
+            across: DVec3::Y,
+            section: Section::Rectangle { width_mm: 20.0, length_mm: 10.0 },
+            depth_mm: 6.0,
+        };
+        let cell = Cavity { section: Section::Circle { diameter_mm: 10.0 }, ..board.clone() };
+        let check = |cavity: &Cavity, place: [f64; 3], expected: f64| {
+            let found = distance(cavity, DVec3::from(place));
+            assert!((found - expected).abs() < 1e-12, "{place:?}: {found}, not {expected}");
+        };
+        check(&board, [5.0, 9.9, 3.0], 0.0);
+        check(&board, [5.0, 13.0, 3.0], 3.0);
+        check(&board, [13.0, 0.0, 3.0], 3.0);
+        check(&board, [13.0, 14.0, 3.0], 5.0);
+        check(&board, [0.0, 0.0, 8.5], 2.5);
+        check(&board, [0.0, 0.0, -2.0], 2.0);
+        check(&cell, [5.0, 8.0, 3.0], 3.0);
+        check(&cell, [5.0, 8.0, 10.0], 5.0);
     }
 }

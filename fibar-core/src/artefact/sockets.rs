@@ -1,4 +1,4 @@
-//! `sockets.json`: where the LEDs sit.
+//! `sockets.json`: where the LEDs sit, and what else is cut out of the base: compartments for a board, a battery.
 
 use super::{check_finite, check_unit, document};
 use crate::id::{LedId, PatternId};
@@ -15,6 +15,9 @@ pub struct Sockets {
     pub hole: Hole,
     /// The sockets, in order of LED.
     pub sockets: Vec<Socket>,
+    /// Compartments beside them.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub cavities: Vec<Cavity>,
 }
 
 /// The cylinder cut out for an LED, from its tip back through the base.
@@ -41,10 +44,61 @@ pub struct Socket {
     pub axis: DVec3,
 }
 
+/// A compartment: a straight prism, cut out from its ceiling back through the base.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Cavity {
+    /// What it is for.
+    pub name: String,
+    /// Middle of its ceiling, mm: as an LED's tip is of its hole.
+    pub position: DVec3,
+    /// Unit vector from the base into the body.
+    pub axis: DVec3,
+    /// Unit vector across the axis, along which a rectangle is wide.
+    pub across: DVec3,
+    /// What it looks like from below.
+    pub section: Section,
+    /// From the ceiling to the base, mm.
+    pub depth_mm: f64,
+}
+
+/// Cross-section of a cavity about its axis.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+pub enum Section {
+    /// For a board.
+    Rectangle {
+        /// Along `across`, mm.
+        width_mm: f64,
+        /// Square to it, mm.
+        length_mm: f64,
+    },
+    /// For a cell.
+    Circle {
+        /// Diameter, mm.
+        diameter_mm: f64,
+    },
+}
+
+impl Section {
+    /// Half the width and half the length of the box around it, mm.
+    pub fn half_size(self) -> [f64; 2] {
+        match self {
+            Section::Rectangle { width_mm, length_mm } => [width_mm / 2.0, length_mm / 2.0],
+            Section::Circle { diameter_mm } => [diameter_mm / 2.0; 2],
+        }
+    }
+}
+
 impl Sockets {
     /// A document of the current format.
     pub fn new(hole: Hole, sockets: Vec<Socket>) -> Self {
-        Sockets { format: "fibar.sockets/1".into(), hole, sockets }
+        Sockets { format: "fibar.sockets/1".into(), hole, sockets, cavities: Vec::new() }
+    }
+
+    /// With compartments beside the LEDs.
+    pub fn with_cavities(self, cavities: Vec<Cavity>) -> Self {
+        Sockets { cavities, ..self }
     }
 }
 
@@ -69,5 +123,69 @@ document!(Sockets, "fibar.sockets/1", |s| {
             return Err(format!("sockets[{k}] repeats LED {} or pattern {}", socket.led, socket.pattern));
         }
     }
-    Ok(())
+    s.cavities.iter().enumerate().try_for_each(|(k, cavity)| check_cavity(k, cavity, &s.cavities[..k]))
 });
+
+fn check_cavity(k: usize, cavity: &Cavity, before: &[Cavity]) -> Result<(), String> {
+    check_finite(&format!("cavities[{k}].position"), cavity.position)?;
+    check_unit(&format!("cavities[{k}].axis"), cavity.axis)?;
+    check_unit(&format!("cavities[{k}].across"), cavity.across)?;
+    if cavity.axis.dot(cavity.across).abs() > 1e-6 {
+        return Err(format!("cavities[{k}].across is not square to its axis"));
+    }
+    let [width, length] = cavity.section.half_size();
+    if [width, length, cavity.depth_mm].iter().any(|size| !(size.is_finite() && *size > 0.0)) {
+        return Err(format!("cavities[{k}] must have a positive size"));
+    }
+    match before.iter().any(|other| other.name == cavity.name) || cavity.name.is_empty() {
+        true => Err(format!("cavities[{k}] needs a name of its own, has \"{}\"", cavity.name)),
+        false => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::artefact::Document;
+
+    fn sockets(cavities: Vec<Cavity>) -> Sockets {
+        let socket =
+            Socket { led: LedId(0), pattern: PatternId(1), position: DVec3::Z * 8.6, axis: DVec3::Z };
+        Sockets::new(Hole { diameter_mm: 5.2, depth_mm: 8.6 }, vec![socket]).with_cavities(cavities)
+    }
+
+    fn board() -> Cavity {
+        Cavity {
+            name: "board".into(),
+            position: DVec3::new(20.0, 0.0, 6.0),
+            axis: DVec3::Z,
+            across: DVec3::X,
+            section: Section::Rectangle { width_mm: 20.0, length_mm: 30.0 },
+            depth_mm: 6.0,
+        }
+    }
+
+    #[test]
+    fn cavities_come_back_as_they_went() {
+        let cell = Cavity { name: "cell".into(), section: Section::Circle { diameter_mm: 20.2 }, ..board() };
+        for cavities in [vec![], vec![board()], vec![board(), cell]] {
+            let sockets = sockets(cavities);
+            assert_eq!(Sockets::from_json(&sockets.to_json()).unwrap(), sockets);
+        }
+        assert!(!String::from_utf8(sockets(vec![]).to_json()).unwrap().contains("cavities"));
+    }
+
+    #[test]
+    fn cavities_that_break_promises_are_refused() {
+        let check = |cavities: Vec<Cavity>, says: &str| {
+            let error = Sockets::from_json(&sockets(cavities).to_json()).unwrap_err().to_string();
+            assert!(error.contains(says), "{error:?} does not say {says:?}");
+        };
+        check(vec![board(), board()], "cavities[1] needs a name of its own");
+        check(vec![Cavity { axis: DVec3::Z * 2.0, ..board() }], "cavities[0].axis");
+        check(vec![Cavity { across: DVec3::Z, ..board() }], "not square to its axis");
+        check(vec![Cavity { depth_mm: 0.0, ..board() }], "must have a positive size");
+        let flat = Section::Rectangle { width_mm: 3.0, length_mm: -1.0 };
+        check(vec![Cavity { section: flat, ..board() }], "must have a positive size");
+    }
+}

@@ -75,6 +75,14 @@ impl Base {
         self.obstacles.iter().map(|o| o.distance(axis)).fold(f64::INFINITY, f64::min)
     }
 
+    /// Horizontal distance from an upright prism to the nearest obstacle, mm; 0 where it is not all over the base.
+    pub fn room_of(&self, prism: &Outline) -> f64 {
+        if !prism.corners().iter().all(|corner| self.is_over(*corner)) {
+            return 0.0;
+        }
+        self.obstacles.iter().map(|o| o.distance_between(prism)).fold(f64::INFINITY, f64::min)
+    }
+
     fn has_room(&self, axis: DVec2, needed: f64) -> bool {
         self.is_over(axis) && self.obstacles.iter().all(|o| o.is_beyond(axis, needed))
     }

@@ -6,6 +6,7 @@
 
 mod base;
 mod best;
+mod cavity;
 mod face;
 mod layout;
 mod outline;
@@ -37,7 +38,7 @@ impl Stage for SocketLed {
             "sockets",
             "sockets",
             "sockets.json",
-            "Tips and axes of the LEDs, and the hole that takes one.",
+            "Tips and axes of the LEDs, the hole that takes one, and other cavities.",
         )
     }
 
@@ -72,7 +73,9 @@ fn place_sockets(body: &TriangleMesh, params: &Params) -> Result<(Sockets, f64),
     if room < params.needed_room_mm() {
         return Err(no_room(tightest, room, face.place(centre + offsets[tightest], 0.0), params));
     }
-    Ok((sockets(centre, &offsets, &face, params), room))
+    let leds: Vec<DVec2> = offsets.iter().map(|offset| centre + *offset).collect();
+    let cavities = cavity::cavities(&laid, &face, &leds, params)?;
+    Ok((sockets(centre, &offsets, &face, params).with_cavities(cavities), room))
 }
 
 /// LED `k` at offset `k`, blinking pattern `k + 1`.

@@ -13,10 +13,7 @@ pub struct Outline {
 pub fn clip_to_slab(triangle: [DVec3; 3], bottom: f64, top: f64) -> Option<Outline> {
     let above = clip(&triangle, |p| p.z - bottom);
     let corners: Vec<DVec2> = clip(&above, |p| top - p.z).iter().map(|p| p.truncate()).collect();
-    let first = *corners.first()?;
-    let low = corners.iter().fold(first, |low, p| low.min(*p));
-    let high = corners.iter().fold(first, |high, p| high.max(*p));
-    Some(Outline { corners, low, high })
+    (!corners.is_empty()).then(|| Outline::of(corners))
 }
 
 /// Sutherland and Hodgman's cut of a polygon by one plane: keeps the side where `height` is not negative.
@@ -36,6 +33,31 @@ fn clip(polygon: &[DVec3], height: impl Fn(DVec3) -> f64) -> Vec<DVec3> {
 }
 
 impl Outline {
+    /// Of one corner at least.
+    pub fn of(corners: Vec<DVec2>) -> Outline {
+        let low = corners.iter().fold(DVec2::INFINITY, |low, p| low.min(*p));
+        let high = corners.iter().fold(DVec2::NEG_INFINITY, |high, p| high.max(*p));
+        Outline { corners, low, high }
+    }
+
+    /// Its corners in turn.
+    pub fn corners(&self) -> &[DVec2] {
+        &self.corners
+    }
+
+    /// Distance between the nearest points of two polygons, mm; 0 where they share one.
+    pub fn distance_between(&self, other: &Outline) -> f64 {
+        let crosses = self.edges().any(|(a, b)| other.edges().any(|(c, d)| cross(a, b, c, d)));
+        let nearest = |of: &Outline, to: &Outline| {
+            of.corners.iter().map(|corner| to.distance(*corner)).fold(f64::INFINITY, f64::min)
+        };
+        if crosses { 0.0 } else { nearest(self, other).min(nearest(other, self)) }
+    }
+
+    fn edges(&self) -> impl Iterator<Item = (DVec2, DVec2)> {
+        self.corners.iter().copied().zip(self.corners.iter().copied().cycle().skip(1))
+    }
+
     /// Distance to the nearest point of the polygon, mm; 0 inside.
     pub fn distance(&self, point: DVec2) -> f64 {
         if contains(&self.corners, point) {
@@ -50,6 +72,12 @@ impl Outline {
         let box_distance = (self.low - point).max(point - self.high).max(DVec2::ZERO).length();
         box_distance >= distance || self.distance(point) >= distance
     }
+}
+
+/// Whether two segments cross where neither ends.
+fn cross(a: DVec2, b: DVec2, c: DVec2, d: DVec2) -> bool {
+    let side = |from: DVec2, to: DVec2, point: DVec2| (to - from).perp_dot(point - from);
+    side(a, b, c) * side(a, b, d) < 0.0 && side(c, d, a) * side(c, d, b) < 0.0
 }
 
 /// Whether a point lies in a convex polygon, border included; a flat polygon contains nothing.

@@ -1,5 +1,6 @@
 //! The parameters of the stage.
 
+use crate::cavity::CavityParams;
 use fibar_plugin::StageError;
 
 /// How the LEDs are laid out, and the size of their sockets.
@@ -48,6 +49,9 @@ pub struct Params {
     /// How far from its plane a triangle of the base or face may reach.
     #[schemars(range(min = 0.0, max = 5.0), extend("unit" = "mm"))]
     pub flatness_mm: f64,
+    /// Compartments beside the LEDs, `{ name = "board", centre_mm = [25, 0], size_mm = [20, 30], depth_mm = 6 }` say; fibres keep
+    /// away from them as from holes.
+    pub cavities: Vec<CavityParams>,
 }
 
 /// Pattern of the places.
@@ -83,6 +87,7 @@ impl Default for Params {
             wall_mm: 1.0,
             lead_mm: 2.5,
             flatness_mm: 0.05,
+            cavities: Vec::new(),
         }
     }
 }

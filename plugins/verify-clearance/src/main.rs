@@ -39,7 +39,7 @@ struct Params {
     /// Least distance from a fibre's outer surface to the skin's inner side, away from the ends.
     #[schemars(range(min = 0.0, max = 50.0), extend("unit" = "mm"))]
     min_wall_mm: f64,
-    /// Least distance from a fibre's outer surface to the hole of another LED.
+    /// Least distance from a fibre's outer surface to the hole of another LED, and to a cavity.
     #[schemars(range(min = 0.0, max = 50.0), extend("unit" = "mm"))]
     min_socket_gap_mm: f64,
     /// Least bend radius of a fibre's axis.
@@ -153,9 +153,10 @@ fn measure(
     let walls = wall::judge(strands, scene.body, &wall::Rule::of(params));
     job.progress(0.8, "sockets and bends")?;
     let socket_gaps = socket_gap::judge(strands, scene.sockets, params.min_socket_gap_mm);
+    let cavity_gaps = socket_gap::judge_cavities(strands, scene.sockets, params.min_socket_gap_mm);
     let bends = bend::judge(strands, params.min_bend_radius_mm);
     let ends = ends::judge(strands, scene, &ends::Rule::of(params));
-    Ok([gaps, walls, socket_gaps, bends, ends].into_iter().flatten().collect())
+    Ok([gaps, walls, socket_gaps, cavity_gaps, bends, ends].into_iter().flatten().collect())
 }
 
 fn main() -> std::process::ExitCode {

@@ -1,34 +1,78 @@
-//! An LED's hole: its volume inside the body, and the part of a line inside of it.
+//! What is cut out of the base, an LED's hole or a cavity: its volume inside the body, and the part of a line inside of it.
 
 use crate::pierce::pierce;
 use fibar_core::artefact::mesh::TriangleMesh;
-use fibar_core::artefact::sockets::{Hole, Socket};
+use fibar_core::artefact::sockets::{Cavity, Section, Sockets};
 use glam::{DMat3, DVec2, DVec3, Vec3Swizzles};
 use std::f64::consts::{PI, TAU};
 
-/// Rings and spokes of the lines that measure a hole, all standing for the same area.
+/// Rings and spokes of the lines that measure what is round, all standing for the same area.
 const RINGS: usize = 16;
 const SPOKES: usize = 48;
+/// Lines along either side of a rectangle.
+const ROWS: usize = 28;
 
-/// Volume of the hole inside the body, mm³, by lines along its axis: exact where the body's surface is flat and square to
-/// the axis all across the hole's mouth.
-pub fn volume_within(body: &TriangleMesh, socket: &Socket, hole: &Hole) -> f64 {
-    let across = socket.axis.any_orthonormal_vector();
-    let x_from_axis = DMat3::from_cols(socket.axis, across, socket.axis.cross(across)).transpose();
-    let turned = |v: &DVec3| x_from_axis * (*v - socket.position);
+/// All that is cut out, the LEDs' holes as cavities.
+pub fn all(sockets: &Sockets) -> Vec<Cavity> {
+    let hole = |socket: &fibar_core::artefact::sockets::Socket| Cavity {
+        name: format!("hole of LED {}", socket.led),
+        position: socket.position,
+        axis: socket.axis,
+        across: socket.axis.any_orthonormal_vector(),
+        section: Section::Circle { diameter_mm: sockets.hole.diameter_mm },
+        depth_mm: sockets.hole.depth_mm,
+    };
+    sockets.sockets.iter().map(hole).chain(sockets.cavities.iter().cloned()).collect()
+}
+
+/// The same, larger by an allowance all around and at the ceiling, mm.
+pub fn widened(cavity: &Cavity, allowance: f64) -> Cavity {
+    let section = match cavity.section {
+        Section::Circle { diameter_mm } => Section::Circle { diameter_mm: diameter_mm + 2.0 * allowance },
+        Section::Rectangle { width_mm, length_mm } => Section::Rectangle {
+            width_mm: width_mm + 2.0 * allowance,
+            length_mm: length_mm + 2.0 * allowance,
+        },
+    };
+    Cavity { section, depth_mm: cavity.depth_mm + allowance, ..cavity.clone() }
+}
+
+/// Volume of the cavity inside the body, mm³, by lines along its axis: exact where the body's surface is flat and square to
+/// the axis all across the cavity's mouth.
+pub fn volume_within(body: &TriangleMesh, cavity: &Cavity) -> f64 {
+    let side = cavity.axis.cross(cavity.across);
+    let x_from_axis = DMat3::from_cols(cavity.axis, cavity.across, side).transpose();
+    let turned = |v: &DVec3| x_from_axis * (*v - cavity.position);
     let mut near =
         TriangleMesh { vertices: body.vertices.iter().map(turned).collect(), triangles: Vec::new() };
-    let radius = 0.5 * hole.diameter_mm;
+    let half = DVec2::from(cavity.section.half_size());
     let reaches = |t: &&[u32; 3]| {
         let corners = t.map(|v| near.vertices[v as usize].yz());
         let (low, high) =
             (corners[0].min(corners[1]).min(corners[2]), corners[0].max(corners[1]).max(corners[2]));
-        low.max_element() <= radius && high.min_element() >= -radius
+        low.cmple(half).all() && high.cmpge(-half).all()
     };
     near.triangles = body.triangles.iter().filter(reaches).copied().collect();
-    let lines = (0..RINGS).flat_map(|ring| (0..SPOKES).map(move |spoke| line(ring, spoke) * radius));
-    let length: f64 = lines.map(|line| length_inside(&near, line, hole.depth_mm)).sum();
-    length * PI * radius * radius / (RINGS * SPOKES) as f64
+    let (lines, area) = lines(cavity.section);
+    let length: f64 = lines.iter().map(|line| length_inside(&near, *line, cavity.depth_mm)).sum();
+    length * area / lines.len() as f64
+}
+
+/// Places across a section that stand for equal areas, mm, and its whole area, mm².
+fn lines(section: Section) -> (Vec<DVec2>, f64) {
+    let grid = |rows: usize, columns: usize| (0..rows).flat_map(move |i| (0..columns).map(move |j| (i, j)));
+    match section {
+        Section::Circle { diameter_mm } => {
+            let radius = 0.5 * diameter_mm;
+            let lines = grid(RINGS, SPOKES).map(|(ring, spoke)| line(ring, spoke) * radius);
+            (lines.collect(), PI * radius * radius)
+        }
+        Section::Rectangle { width_mm, length_mm } => {
+            let share = |k: usize| (k as f64 + 0.5) / ROWS as f64 - 0.5;
+            let place = |(i, j)| DVec2::new(share(i) * width_mm, share(j) * length_mm);
+            (grid(ROWS, ROWS).map(place).collect(), width_mm * length_mm)
+        }
+    }
 }
 
 /// A place in the unit disc.
@@ -48,16 +92,25 @@ fn length_inside(mesh: &TriangleMesh, line: DVec2, depth: f64) -> f64 {
     hits.map(signed).sum()
 }
 
-/// The stretch of the line through `point` along +X that lies inside the hole, from and to, as x.
-pub fn stretch(point: DVec3, socket: &Socket, hole: &Hole) -> Option<(f64, f64)> {
-    let from_tip = point - socket.position;
-    let (rise, height) = (socket.axis.x, from_tip.dot(socket.axis));
-    let within_depth = between(rise, height, -hole.depth_mm, 0.0)?;
-    let across = DVec3::X - socket.axis * rise;
-    let beside = from_tip - socket.axis * height;
-    let within_radius = near(across, beside, 0.5 * hole.diameter_mm)?;
-    let (from, to) = (within_depth.0.max(within_radius.0), within_depth.1.min(within_radius.1));
-    (from < to).then_some((point.x + from, point.x + to))
+/// The stretch of the line through `point` along +X that lies inside the cavity, from and to, as x.
+pub fn stretch(point: DVec3, cavity: &Cavity) -> Option<(f64, f64)> {
+    let from_ceiling = point - cavity.position;
+    let (rise, height) = (cavity.axis.x, from_ceiling.dot(cavity.axis));
+    let mut within = between(rise, height, -cavity.depth_mm, 0.0)?;
+    let mut narrow = |(from, to): (f64, f64)| within = (within.0.max(from), within.1.min(to));
+    match cavity.section {
+        Section::Circle { diameter_mm } => {
+            let across = DVec3::X - cavity.axis * rise;
+            narrow(near(across, from_ceiling - cavity.axis * height, 0.5 * diameter_mm)?);
+        }
+        Section::Rectangle { width_mm, length_mm } => {
+            let sides = [(cavity.across, width_mm), (cavity.axis.cross(cavity.across), length_mm)];
+            for (side, size) in sides {
+                narrow(between(side.x, from_ceiling.dot(side), -0.5 * size, 0.5 * size)?);
+            }
+        }
+    }
+    (within.0 < within.1).then_some((point.x + within.0, point.x + within.1))
 }
 
 /// Where `rise·t + start` lies between two bounds.
@@ -83,15 +136,22 @@ fn near(across: DVec3, beside: DVec3, radius: f64) -> Option<(f64, f64)> {
 mod tests {
     use super::*;
     use crate::topology::tests::cuboid;
-    use fibar_core::{LedId, PatternId};
+
+    fn round(position: DVec3, axis: DVec3, diameter_mm: f64, depth_mm: f64) -> Cavity {
+        let section = Section::Circle { diameter_mm };
+        let across = axis.any_orthonormal_vector();
+        Cavity { name: "hole".into(), position, axis, across, section, depth_mm }
+    }
 
     #[test]
     fn volume_of_holes_whole_and_cut_short() {
         let body = cuboid(DVec3::splat(-10.0), DVec3::splat(10.0));
-        let hole = Hole { diameter_mm: 4.0, depth_mm: 3.0 };
         let check = |position: DVec3, axis: DVec3, length: f64| {
-            let socket = Socket { led: LedId(0), pattern: PatternId(1), position, axis };
-            let (found, expected) = (volume_within(&body, &socket, &hole), length * PI * 4.0);
+            let hole = round(position, axis, 4.0, 3.0);
+            let (found, expected) = (volume_within(&body, &hole), length * PI * 4.0);
+            assert!((found - expected).abs() < 1e-9, "{found} instead of {expected}");
+            let section = Section::Rectangle { width_mm: 2.0, length_mm: 3.0 };
+            let (found, expected) = (volume_within(&body, &Cavity { section, ..hole }), length * 6.0);
             assert!((found - expected).abs() < 1e-9, "{found} instead of {expected}");
         };
         check(DVec3::new(1.0, 2.0, -7.0), DVec3::Z, 3.0);
@@ -103,10 +163,7 @@ mod tests {
 
     #[track_caller]
     fn check(axis: DVec3, y: f64, z: f64, expected: Option<(f64, f64)>) {
-        let socket =
-            Socket { led: LedId(0), pattern: PatternId(1), position: DVec3::new(1.0, 0.0, 8.0), axis };
-        let hole = Hole { diameter_mm: 5.0, depth_mm: 8.0 };
-        let found = stretch(DVec3::new(0.0, y, z), &socket, &hole);
+        let found = stretch(DVec3::new(0.0, y, z), &round(DVec3::new(1.0, 0.0, 8.0), axis, 5.0, 8.0));
         let close = |(a, b): (f64, f64), (c, d): (f64, f64)| (a - c).abs() < 1e-12 && (b - d).abs() < 1e-12;
         assert!(found.zip(expected).map_or(found == expected, |(a, b)| close(a, b)), "{found:?}");
     }
@@ -119,5 +176,20 @@ mod tests {
         check(DVec3::Z, 2.5, 4.0, None);
         check(DVec3::X, 0.0, 9.0, Some((-7.0, 1.0)));
         check(DVec3::X, 0.0, 11.0, None);
+    }
+
+    #[test]
+    fn lines_across_a_board() {
+        let section = Section::Rectangle { width_mm: 6.0, length_mm: 20.0 };
+        let upright =
+            Cavity { section, across: DVec3::X, ..round(DVec3::new(1.0, 0.0, 8.0), DVec3::Z, 1.0, 8.0) };
+        let at = |cavity: &Cavity, y: f64, z: f64| stretch(DVec3::new(0.0, y, z), cavity);
+        assert_eq!(at(&upright, 9.9, 4.0), Some((-2.0, 4.0)));
+        assert_eq!(at(&upright, 10.1, 4.0), None);
+        assert_eq!(at(&upright, 0.0, 8.1), None);
+        let wider = widened(&upright, 0.25);
+        assert_eq!((at(&wider, 10.1, 4.0), at(&wider, 0.0, 8.1)), (Some((-2.25, 4.25)), None));
+        let turned = Cavity { across: DVec3::Y, ..upright };
+        assert_eq!(at(&turned, 2.9, 4.0), Some((-9.0, 11.0)));
     }
 }

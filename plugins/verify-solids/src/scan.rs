@@ -10,11 +10,11 @@ use crate::pierce::pierce;
 use crate::sum::Sums;
 use crate::sweep::{Event, Owner, sweep};
 use fibar_core::artefact::mesh::TriangleMesh;
-use fibar_core::artefact::sockets::{Hole, Sockets};
+use fibar_core::artefact::sockets::{Cavity, Sockets};
 use glam::{DVec2, DVec3, Vec3Swizzles};
 use rayon::prelude::*;
 
-/// A hole is widened by this much where a gap inside of it is forgiven: its wall is a polygon, mm.
+/// A hole or cavity is widened by this much where a gap inside of it is forgiven: its wall is a polygon, mm.
 const HOLE_ALLOWANCE_MM: f64 = 0.05;
 
 /// What the lines found, in mm³ where it is a volume.
@@ -117,14 +117,12 @@ impl<'a> Rows<'a> {
 }
 
 fn add_holes(events: &mut Vec<Event>, sockets: &Sockets, row: usize, grid: &Grid) {
-    let wide = Hole {
-        diameter_mm: sockets.hole.diameter_mm + 2.0 * HOLE_ALLOWANCE_MM,
-        depth_mm: sockets.hole.depth_mm + HOLE_ALLOWANCE_MM,
-    };
+    let wide: Vec<Cavity> =
+        hole::all(sockets).iter().map(|cavity| hole::widened(cavity, HOLE_ALLOWANCE_MM)).collect();
     for column in 0..grid.columns as u32 {
         let line = grid.place(row, column);
         let point = DVec3::new(0.0, line.x, line.y);
-        for (from, to) in sockets.sockets.iter().filter_map(|socket| hole::stretch(point, socket, &wide)) {
+        for (from, to) in wide.iter().filter_map(|cavity| hole::stretch(point, cavity)) {
             let event = |x, enters| Event { column, x, enters, owner: Owner::Hole, slope: 1.0 };
             events.extend([event(from, true), event(to, false)]);
         }

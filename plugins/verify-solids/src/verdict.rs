@@ -1,13 +1,12 @@
 //! What was measured against what is asked.
 
 use crate::Params;
-use crate::hole::volume_within;
+use crate::hole::{self, volume_within};
 use crate::layers::RoleWalls;
 use crate::part::Object;
 use crate::sum::{Sums, Total};
 use crate::topology::{self, Topology};
 use crate::wall::Wall;
-use fibar_core::artefact::sockets::Sockets;
 use fibar_core::artefact::verdict::{Finding, Place};
 use fibar_core::material::Role;
 use fibar_plugin::{Job, Violation};
@@ -108,8 +107,8 @@ fn judge_components(object: &Object, topologies: &[Topology], judged: &mut Judge
 
 fn judge_volume(params: &Params, object: &Object, topologies: &[Topology], judged: &mut Judged) {
     let sum: f64 = topologies.iter().map(|t| t.volume_mm3).sum();
-    let Sockets { hole, sockets, .. } = &object.sockets;
-    let holes: f64 = sockets.iter().map(|socket| volume_within(&object.body, socket, hole)).sum();
+    let holes: f64 =
+        hole::all(&object.sockets).iter().map(|cavity| volume_within(&object.body, cavity)).sum();
     let expected = topology::volume(&object.body) - holes;
     let ratio = (sum - expected).abs() / expected;
     judged.findings.push(Finding {
