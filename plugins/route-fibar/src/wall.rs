@@ -137,7 +137,8 @@ mod tests {
         assert!(wall.sum_with_gradient(DVec3::ZERO).0.abs() < 1e-6);
     }
 
-    /// The paper's own sum, over the vertices of a mesh as dense as its bunny's.
+    /// The paper's own sum, over the vertices of a mesh as dense as its bunny's. What the cut-off takes from every vertex
+    /// within reach is 0.1 % of the sum 2 mm deep and 14 % 6.4 mm deep, where 0.6 % of it is left.
     #[test]
     fn the_field_is_the_sum_over_the_vertices_of_a_dense_mesh() {
         let (half, params) = (DVec3::new(12.0, 10.0, 8.0), params());
@@ -149,25 +150,32 @@ mod tests {
             let count = (2.0 * size / spacing).round() as u32;
             (0..count).map(move |k| (f64::from(k) + 0.5) / f64::from(count) * 2.0 * size - size)
         };
+        // Whole vertices do not fit the edges: each stands for a little more or less than its share of the area.
         let face = |axis: usize| {
             let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);
+            let count = (along(half[i]).count() * along(half[j]).count()) as f64;
+            let weight = 4.0 * half[i] * half[j] * params.surface_points_per_mm2 / count;
             let pairs = along(half[i]).flat_map(move |u| along(half[j]).map(move |v| (u, v)));
             pairs.flat_map(move |(u, v)| {
                 [-half[axis], half[axis]].map(|w| {
                     let mut point = DVec3::ZERO;
                     (point[i], point[j], point[axis]) = (u, v, w);
-                    point
+                    (point, weight)
                 })
             })
         };
-        let vertices: Vec<DVec3> = (0..3).flat_map(face).collect();
+        let vertices: Vec<(DVec3, f64)> = (0..3).flat_map(face).collect();
+        let reach = -params.cut_off.ln() / params.k7;
         for k in 0..60 {
             let t = f64::from(k);
             let share = DVec3::new((t * 0.7).sin(), (t * 1.1).cos(), (t * 0.3).sin());
             let place = share * (half - 2.0);
-            let plain: f64 = vertices.iter().map(|v| (-params.k7 * place.distance(*v)).exp()).sum();
+            let plain: f64 =
+                vertices.iter().map(|(v, weight)| weight * (-params.k7 * place.distance(*v)).exp()).sum();
+            let within = vertices.iter().filter(|(v, _)| place.distance(*v) < reach).count() as f64;
             let sum = wall.sum_with_gradient(place).0;
-            assert!((sum - plain).abs() < 0.12 * plain + 1e-5, "{place}: {sum} is not {plain}");
+            let allowed = 0.06 * plain + params.cut_off * within;
+            assert!((sum - plain).abs() < allowed, "{place}: {sum} is not {plain}");
         }
     }
 
