@@ -43,13 +43,18 @@ impl Lattice {
     pub fn interpolate_linear(&self, samples: &[f64], place: DVec3) -> (f64, DVec3) {
         let (corner, t) = self.cell(place);
         let weights = t.to_array().map(|t| ([1.0 - t, t], [-1.0, 1.0]));
-        self.weigh(samples, corner, weights)
+        self.weigh(|n| samples[n], corner, weights)
     }
 
     /// The same by Catmull–Rom cubics: the gradient is continuous, the error of fourth order in the spacing.
     pub fn interpolate_cubic(&self, samples: &[f64], place: DVec3) -> (f64, DVec3) {
+        self.interpolate_cubic_of(|n| samples[n], place)
+    }
+
+    /// The same of samples that are asked for one by one, by number.
+    pub fn interpolate_cubic_of(&self, sample: impl Fn(usize) -> f64, place: DVec3) -> (f64, DVec3) {
         let (corner, t) = self.cell(place);
-        self.weigh(samples, corner - IVec3::ONE, t.to_array().map(catmull_rom))
+        self.weigh(sample, corner - IVec3::ONE, t.to_array().map(catmull_rom))
     }
 
     /// The lowest corner of the cell around a place, and where in the cell it lies, 0 to 1. Cells at the border are left
@@ -65,7 +70,7 @@ impl Lattice {
     /// The tensor product of weights (and their slopes) per axis, applied to the samples from `corner` on.
     fn weigh<const N: usize>(
         &self,
-        samples: &[f64],
+        sample: impl Fn(usize) -> f64,
         corner: IVec3,
         [(wx, sx), (wy, sy), (wz, sz)]: [([f64; N], [f64; N]); 3],
     ) -> (f64, DVec3) {
@@ -74,7 +79,7 @@ impl Lattice {
         let (mut value, mut slope) = (0.0, DVec3::ZERO);
         for k in 0..N {
             for j in 0..N {
-                let row = &samples[first + (k * ny + j) * nx..][..N];
+                let row: [f64; N] = std::array::from_fn(|i| sample(first + (k * ny + j) * nx + i));
                 let along = (0..N).fold(0.0, |sum, i| sum + wx[i] * row[i]);
                 let rise = (0..N).fold(0.0, |sum, i| sum + sx[i] * row[i]);
                 value += wy[j] * wz[k] * along;

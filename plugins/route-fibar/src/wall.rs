@@ -1,4 +1,5 @@
-//! E_surf as a field: the sum over surface points is made once, on a lattice, not at every iteration.
+//! E_surf as a field: the sum over surface points is made once a sample of a lattice, when a route first comes near it, not at
+//! every iteration.
 //!
 //! The paper sums `exp(−k7·|x − x_s|)` over the surface points of its mesh. Deeper than a millimetre the points blur into
 //! an area: the sum is `density·∫exp(−k7·|x − y|) dA(y)`, whatever the triangulation. The integral is made by the
@@ -9,7 +10,7 @@ use crate::neighbours::Cells;
 use crate::params::Params;
 use fibar_core::artefact::mesh::TriangleMesh;
 use glam::DVec3;
-use rayon::prelude::*;
+use std::sync::OnceLock;
 
 /// Added before the logarithm, taken off after: values far from the wall are 0.
 const FLOOR: f64 = 1e-6;
@@ -19,29 +20,32 @@ const FLOOR: f64 = 1e-6;
 /// The logarithm is interpolated, since that of one wall is nearly linear in depth.
 pub struct Wall<'a> {
     interior: &'a Interior,
-    logarithms: Vec<f64>,
+    kernel: Kernel,
+    /// Made when first asked for; whoever comes first, the value is the same.
+    logarithms: Vec<OnceLock<f64>>,
 }
 
 impl<'a> Wall<'a> {
-    /// Sums at every sample inside the body and just outside.
+    /// The field of a body's surface.
     pub fn of(body: &TriangleMesh, interior: &'a Interior, params: &Params) -> Wall<'a> {
-        let patches = patches(body, 2.0 / params.k7);
-        let kernel = Kernel::of(&patches, params);
-        let lattice = interior.lattice();
-        let outermost = 3.0 * lattice.spacing;
-        let logarithm = |n: usize| {
-            let distance = interior.sample(n);
-            let near = distance < outermost && -distance < kernel.reach;
-            let sum = if near { kernel.sum(lattice.place(n)) } else { 0.0 };
-            libm::log(sum + FLOOR)
-        };
-        let logarithms = (0..lattice.len()).into_par_iter().map(logarithm).collect();
-        Wall { interior, logarithms }
+        let kernel = Kernel::of(patches(body, 2.0 / params.k7), params);
+        let logarithms = std::iter::repeat_with(OnceLock::new).take(interior.lattice().len()).collect();
+        Wall { interior, kernel, logarithms }
+    }
+
+    /// The sum at a sample inside the body or just outside, 0 elsewhere; its logarithm.
+    fn logarithm(&self, n: usize) -> f64 {
+        let lattice = self.interior.lattice();
+        let distance = self.interior.sample(n);
+        let near = distance < 3.0 * lattice.spacing && -distance < self.kernel.reach;
+        let sum = if near { self.kernel.sum(lattice.place(n)) } else { 0.0 };
+        libm::log(sum + FLOOR)
     }
 
     /// E_surf of one control point and its gradient, per mm.
     pub fn sum_with_gradient(&self, place: DVec3) -> (f64, DVec3) {
-        let (logarithm, slope) = self.interior.lattice().interpolate_cubic(&self.logarithms, place);
+        let sample = |n: usize| *self.logarithms[n].get_or_init(|| self.logarithm(n));
+        let (logarithm, slope) = self.interior.lattice().interpolate_cubic_of(sample, place);
         let sum = libm::exp(logarithm);
         (sum - FLOOR, sum * slope)
     }
@@ -74,8 +78,8 @@ fn split([a, b, c]: [DVec3; 3], longest: f64) -> Vec<Patch> {
 }
 
 /// `Σ density·area·(exp(−k7·d) − cut_off)` over the patches within reach.
-struct Kernel<'a> {
-    patches: &'a [Patch],
+struct Kernel {
+    patches: Vec<Patch>,
     cells: Cells,
     decay: f64,
     density: f64,
@@ -84,8 +88,8 @@ struct Kernel<'a> {
     reach: f64,
 }
 
-impl<'a> Kernel<'a> {
-    fn of(patches: &'a [Patch], params: &Params) -> Kernel<'a> {
+impl Kernel {
+    fn of(patches: Vec<Patch>, params: &Params) -> Kernel {
         let reach = -libm::log(params.cut_off) / params.k7;
         let centres: Vec<DVec3> = patches.iter().map(|p| p.centre).collect();
         let Params { k7: decay, surface_points_per_mm2: density, cut_off, .. } = *params;
