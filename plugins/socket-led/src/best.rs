@@ -3,8 +3,9 @@
 //! Candidates stand on a grid over the face, places to be lit are spread over the surface that cameras above the base can see. What a fibre
 //! between the two would lose is estimated with a course that settles briefly, walls and bends included, other fibres left out. Then
 //! a p-median search: greedily one LED after the other, exchanges while they help (Teitz & Bart 1968), and both once more on a finer grid
-//! around what was found. The first LED blinks the m-sequence, which every view has to see, so its light counts everywhere; of the others
-//! only the best at each place counts, and none should have to light much more than its share.
+//! around what was found. What counts is what cameras see: of each direction above the base the places that face it and can be brightest, as only
+//! some of them will be markers. The first LED blinks the m-sequence, which every view has to see, so its light counts everywhere; of the
+//! others only the best at each place counts, and none should have to light much more than its share.
 
 use crate::base::Base;
 use crate::params::Params;
@@ -20,6 +21,7 @@ use fibar_geometry::distance::Surface;
 use fibar_geometry::optics::Absorption;
 use fibar_geometry::room::{Keeping, Room, RoomOptions};
 use fibar_geometry::sampling::sample_surface;
+use fibar_geometry::viewsphere::{Polyhedron, geodesic_directions};
 use fibar_plugin::StageError;
 use glam::{DVec2, DVec3};
 use rand::SeedableRng;
@@ -27,7 +29,7 @@ use rayon::prelude::*;
 
 /// About so many candidates, and samples of the surface of which those that cameras may see are lit.
 const CANDIDATES: f64 = 90.0;
-const SAMPLES: usize = 160;
+const SAMPLES: usize = 200;
 /// Candidates are no nearer to each other than this at first, mm.
 const FINEST_MM: f64 = 4.0;
 /// A place lower than this above the LEDs' tips is hardly lit by anything, mm.
@@ -37,6 +39,8 @@ const LOWEST_NORMAL: f64 = -0.866;
 /// Least bend radius, mm, and tangent of the tilt of arrival, as routers have them.
 const MIN_BEND_RADIUS_MM: f64 = 12.0;
 const ARRIVAL_TILT: f64 = 0.364;
+/// Share of the places facing a direction that count there: the brightest.
+const COUNTED_SHARE: f64 = 0.3;
 /// Half of the greatest use is at this `d_cam/c5`.
 const DIM: f64 = 0.25;
 /// The m-sequence's light beside that of the best other LED.
@@ -61,6 +65,7 @@ pub fn places(body: &TriangleMesh, base: &Base, params: &Params) -> Result<Vec<D
         min_bend_radius: MIN_BEND_RADIUS_MM,
     };
     let targets = targets(body, params);
+    let views = views(&targets);
     let mut step = (base.area() / CANDIDATES).sqrt().max(FINEST_MM);
     let mut candidates = base.roomy_places(step, params.needed_room_mm());
     let mut chosen: Vec<usize> = vec![];
@@ -75,7 +80,7 @@ pub fn places(body: &TriangleMesh, base: &Base, params: &Params) -> Result<Vec<D
         }
         let use_of: Vec<Vec<f64>> =
             candidates.par_iter().map(|place| uses(&world, *place, &targets, params)).collect();
-        let task = Task { places: &candidates, use_of: &use_of, pitch: params.pitch_mm };
+        let task = Task { places: &candidates, use_of: &use_of, views: &views, pitch: params.pitch_mm };
         chosen = task.search(chosen, params.count as usize).ok_or_else(|| crowded(&candidates, params))?;
     }
     Ok(chosen.into_iter().map(|k| candidates[k]).collect())
@@ -101,6 +106,15 @@ fn targets(body: &TriangleMesh, params: &Params) -> Vec<(DVec3, DVec3)> {
     let lowest = params.depth_mm + RISE_MM;
     let seen = samples.iter().filter(|s| s.normal.z > LOWEST_NORMAL && s.position.z > lowest);
     seen.map(|s| (s.position, s.normal)).collect()
+}
+
+/// For each of some directions above the base the targets that face it within 60°.
+fn views(targets: &[(DVec3, DVec3)]) -> Vec<Vec<usize>> {
+    const COS_EMISSION: f64 = 0.5;
+    let mut directions = geodesic_directions(Polyhedron::Icosahedron, 3);
+    directions.retain(|d| d.z >= 0.0);
+    let facing = |d: &DVec3| (0..targets.len()).filter(|&t| targets[t].1.dot(*d) > COS_EMISSION).collect();
+    directions.iter().map(facing).collect()
 }
 
 /// The eight neighbours on a finer grid.
@@ -146,6 +160,8 @@ struct Task<'a> {
     places: &'a [DVec2],
     /// By candidate, then by target.
     use_of: &'a [Vec<f64>],
+    /// By direction of view, targets that face it.
+    views: &'a [Vec<usize>],
     /// Least distance between two, mm.
     pitch: f64,
 }
@@ -202,24 +218,30 @@ impl Task<'_> {
         best.map(|(k, _)| k)
     }
 
-    /// The mean use, less what uneven territories cost.
+    /// The mean over all views of the mean use of the brightest targets there, less what uneven territories cost.
     fn value(&self, chosen: &[usize]) -> f64 {
-        let targets = self.use_of.first().map_or(0, Vec::len).max(1);
+        let targets = self.use_of.first().map_or(0, Vec::len);
         let mut territory = vec![0usize; chosen.len()];
-        let mut sum = 0.0;
-        for target in 0..self.use_of.first().map_or(0, Vec::len) {
+        let mut seen = |target: usize| {
             let use_of = |slot: usize| self.use_of[chosen[slot]][target];
-            sum += M_SEQUENCE_WEIGHT * use_of(0);
             let best = (1..chosen.len()).reduce(|a, b| if use_of(b) > use_of(a) { b } else { a });
-            if let Some(best) = best {
-                sum += use_of(best);
-                territory[best] += 1;
-            }
-        }
-        let share = |count: &usize| *count as f64 / targets as f64;
+            best.iter().for_each(|&best| territory[best] += 1);
+            M_SEQUENCE_WEIGHT * use_of(0) + best.map_or(0.0, use_of)
+        };
+        let uses: Vec<f64> = (0..targets).map(&mut seen).collect();
+        let sum: f64 = self.views.iter().map(|facing| brightest_mean(facing, &uses)).sum();
+        let share = |count: &usize| *count as f64 / targets.max(1) as f64;
         let uneven: f64 = territory.iter().map(|count| share(count) * share(count)).sum();
-        sum / targets as f64 - UNEVEN * uneven
+        sum / self.views.len().max(1) as f64 - UNEVEN * uneven
     }
+}
+
+/// The mean of the brightest of some targets.
+fn brightest_mean(facing: &[usize], uses: &[f64]) -> f64 {
+    let mut found: Vec<f64> = facing.iter().map(|&t| uses[t]).collect();
+    found.sort_unstable_by(|a, b| b.total_cmp(a));
+    found.truncate((COUNTED_SHARE * found.len() as f64).ceil() as usize);
+    found.iter().sum::<f64>() / found.len().max(1) as f64
 }
 
 #[cfg(test)]

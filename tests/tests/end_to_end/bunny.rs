@@ -46,7 +46,7 @@ fn metrics_hold_what_the_recipe_promises() {
     };
     check("place.markers", 55.0..=75.0);
     check("assign.blind_directions", 0.0..=0.0);
-    check("light.bound_share", 0.75..=1.0);
+    check("light.bound_share", 0.95..=1.0);
     check("light.certified_share", 0.5..=1.0);
     check("light.mean_d_cam_mm", 1500.0..=4000.0);
     check("light.share_over_700mm", 0.95..=1.0);
