@@ -50,7 +50,7 @@ struct Params {
     /// What is kept, for round shapes shrink: `nothing`; the `size`, by scaling evenly until the mesh's box is touched from inside
     /// again; or the places of its `vertices`, which then lie on the smooth mesh, at the price of bumps between them.
     keep: Keep,
-    /// Most triangles to make; a million take about 2 GB of memory.
+    /// Most triangles to make; a million take about 0.8 GB of memory.
     #[schemars(range(min = 1, max = 20_000_000))]
     max_triangles: u64,
 }

@@ -44,6 +44,12 @@ fn metrics_hold_what_the_recipe_promises() {
         let value = bunny().metric(name);
         assert!(range.contains(&value), "{name} is {value}, expected {range:?}");
     };
+    // Four triangles of each of 3,674; as long as before, and inside the box.
+    check("subdivide.triangles", 14696.0..=14696.0);
+    check("subdivide.growth_y_mm", -1e-9..=1e-9);
+    check("subdivide.growth_x_mm", -1.0..=1e-9);
+    check("subdivide.growth_z_mm", -1.0..=1e-9);
+    check("subdivide.displacement_mm", 0.5..=3.0);
     check("place.markers", 55.0..=75.0);
     check("assign.blind_directions", 0.0..=0.0);
     check("light.bound_share", 0.95..=1.0);
@@ -61,6 +67,7 @@ fn metrics_hold_what_the_recipe_promises() {
     check("recognise.ours_rate_missing_00", 0.999..=1.0);
     check("recognise.ours_rate_missing_30", 0.995..=1.0);
     check("solids.overlap_mm3", 0.0..=0.1);
+    check("solids.min_skin_mm", 0.4..=0.5);
     check("solids.volume_error_ratio", 0.0..=1e-3);
     check("solids.components", 23.0..=400.0);
 }
