@@ -53,7 +53,17 @@ pub fn ensure(root: &Path) -> Result<(), String> {
     if fs::read_to_string(&settings).is_ok_and(|is| is == wanted) {
         return Ok(());
     }
+    forget_builds(&root.join("target").join("release").join("build"));
     write_whole(&settings, &wanted)
+}
+
+/// cmake refuses a folder that was configured elsewhere, as it lies in a target folder copied from another checkout.
+fn forget_builds(builds: &Path) {
+    for entry in fs::read_dir(builds).into_iter().flatten().flatten() {
+        if entry.file_name().to_string_lossy().starts_with("opensubdiv-petite-sys-") {
+            let _ = fs::remove_dir_all(entry.path().join("out").join("build"));
+        }
+    }
 }
 
 /// Where the programs and the library are.
