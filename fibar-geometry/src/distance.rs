@@ -13,8 +13,37 @@ pub use lattice::Lattice;
 use fibar_core::artefact::mesh::TriangleMesh;
 use glam::DVec3;
 use parry3d_f64::math::Vector;
-use parry3d_f64::query::PointQuery;
+use parry3d_f64::query::{PointQuery, PointQueryWithLocation};
 use parry3d_f64::shape::{TriMesh, TriMeshFlags};
+
+/// Distance of a point to a triangle, mm (Ericson, Real-Time Collision Detection, 2005, section 5.1.5).
+pub fn distance_to_triangle(point: DVec3, [a, b, c]: [DVec3; 3]) -> f64 {
+    let (ab, ac) = (b - a, c - a);
+    let along = |corner: DVec3| (ab.dot(point - corner), ac.dot(point - corner));
+    let ((a1, a2), (b1, b2), (c1, c2)) = (along(a), along(b), along(c));
+    if a1 <= 0.0 && a2 <= 0.0 {
+        return point.distance(a);
+    }
+    if b1 >= 0.0 && b2 <= b1 {
+        return point.distance(b);
+    }
+    if c2 >= 0.0 && c1 <= c2 {
+        return point.distance(c);
+    }
+    let (beyond_a, beyond_b, beyond_c) = (b1 * c2 - c1 * b2, c1 * a2 - a1 * c2, a1 * b2 - b1 * a2);
+    if beyond_c <= 0.0 && a1 >= 0.0 && b1 <= 0.0 {
+        return point.distance(a + ab * (a1 / (a1 - b1)));
+    }
+    if beyond_b <= 0.0 && a2 >= 0.0 && c2 <= 0.0 {
+        return point.distance(a + ac * (a2 / (a2 - c2)));
+    }
+    if beyond_a <= 0.0 && b2 - b1 >= 0.0 && c1 - c2 >= 0.0 {
+        let (from_b, from_c) = (b2 - b1, c1 - c2);
+        return point.distance(b + (c - b) * (from_b / (from_b + from_c)));
+    }
+    let all = beyond_a + beyond_b + beyond_c;
+    point.distance(a + ab * (beyond_b / all) + ac * (beyond_c / all))
+}
 
 /// A closed, outward-oriented surface that answers distance queries.
 pub struct Surface {
@@ -44,11 +73,20 @@ pub enum SurfaceError {
 impl Surface {
     /// Builds the search tree.
     pub fn new(mesh: &TriangleMesh) -> Result<Surface, SurfaceError> {
+        Surface::with_flags(mesh, TriMeshFlags::ORIENTED)
+    }
+
+    /// For distances without a sign, which come positive: quicker to build, and open meshes will do.
+    pub fn unsigned(mesh: &TriangleMesh) -> Result<Surface, SurfaceError> {
+        Surface::with_flags(mesh, TriMeshFlags::empty())
+    }
+
+    fn with_flags(mesh: &TriangleMesh, flags: TriMeshFlags) -> Result<Surface, SurfaceError> {
         if mesh.triangles.is_empty() {
             return Err(SurfaceError::Empty);
         }
         let vertices = mesh.vertices.iter().map(|v| to_parry(*v)).collect();
-        TriMesh::with_flags(vertices, mesh.triangles.clone(), TriMeshFlags::ORIENTED)
+        TriMesh::with_flags(vertices, mesh.triangles.clone(), flags)
             .map(|mesh| Surface { mesh })
             .map_err(|e| SurfaceError::Refused(e.to_string()))
     }
@@ -69,6 +107,34 @@ impl Surface {
             point: on_surface,
             signed_distance: if found.is_inside { -distance } else { distance },
         })
+    }
+
+    /// Distance of the nearest triangle to a finite point, mm, and its number.
+    pub fn nearest(&self, point: DVec3) -> (f64, u32) {
+        self.nearest_within(point, f64::MAX).unwrap_or((f64::INFINITY, 0))
+    }
+
+    /// The same, or `None` when it is further than `reach` mm.
+    pub fn nearest_within(&self, point: DVec3, reach: f64) -> Option<(f64, u32)> {
+        let found =
+            self.mesh.project_local_point_and_get_location_with_max_dist(to_parry(point), false, reach);
+        found.map(|(found, (triangle, _))| (point.distance(from_parry(found.point)), triangle))
+    }
+
+    /// The nearest point of the surface to a finite point.
+    pub fn foot(&self, point: DVec3) -> DVec3 {
+        from_parry(self.mesh.project_local_point(to_parry(point), false).point)
+    }
+
+    /// The corners of a triangle, mm.
+    pub fn corners(&self, triangle: u32) -> [DVec3; 3] {
+        let triangle = self.mesh.triangle(triangle);
+        [triangle.a, triangle.b, triangle.c].map(from_parry)
+    }
+
+    /// Distance of a point to one triangle of the surface, mm.
+    pub fn distance_to_triangle(&self, point: DVec3, triangle: u32) -> f64 {
+        distance_to_triangle(point, self.corners(triangle))
     }
 
     /// Distance to the surface, mm, negative inside.
@@ -137,6 +203,24 @@ pub(crate) mod tests {
         assert_eq!(surface.closest_within(DVec3::ZERO, 9.9), None);
         assert!(surface.closest_within(DVec3::ZERO, 10.1).is_some());
         assert_eq!(surface.bounds(), (DVec3::splat(-10.0), DVec3::splat(10.0)));
+    }
+
+    #[test]
+    fn distance_to_a_triangle_is_the_least_of_many() {
+        let corners = [DVec3::ZERO, DVec3::new(4.0, 1.0, 0.0), DVec3::new(1.0, 3.0, 0.5)];
+        let flat = [DVec3::ZERO, DVec3::X, DVec3::X * 3.0];
+        for k in 0..1000 {
+            let at = |n: u32| f64::from(k * n % 97) / 97.0 * 8.0 - 3.0;
+            let point = DVec3::new(at(31), at(57), at(73));
+            for [a, b, c] in [corners, flat] {
+                let shares =
+                    (0..=60).flat_map(|i| (0..=60 - i).map(move |j| [i, j].map(|n| f64::from(n) / 60.0)));
+                let sampled = shares.map(|[u, v]| point.distance(a + (b - a) * u + (c - a) * v));
+                let least = sampled.fold(f64::INFINITY, f64::min);
+                let found = distance_to_triangle(point, [a, b, c]);
+                assert!(found <= least + 1e-12 && found >= least - 0.05, "{point}: {found}, {least}");
+            }
+        }
     }
 
     #[test]

@@ -15,6 +15,8 @@ pub mod course;
 pub mod passage;
 pub mod room;
 
+pub mod crossings;
+pub mod deviation;
 pub mod distance;
 pub mod rays;
 pub mod sampling;

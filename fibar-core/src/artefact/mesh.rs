@@ -4,7 +4,7 @@
 //! have: that is `source-mesh`'s work. Closedness and orientation are promises of the types `body` and `solids`, kept by
 //! the stages that make them and checked by the verifiers, not here.
 
-use super::ArtefactError;
+use super::{ArtefactError, places};
 use glam::DVec3;
 use std::collections::HashMap;
 
@@ -40,6 +40,24 @@ impl TriangleMesh {
             a.dot(b.cross(c)) / 6.0
         };
         triangles.map(of).sum()
+    }
+
+    /// The same triangles; corners of exactly equal coordinates are one vertex, in the order of their first use. A soup of
+    /// triangles shrinks to a third; nothing is snapped or left out.
+    pub fn indexed(&self) -> TriangleMesh {
+        let first = places::first_at_place(&self.vertices);
+        let mut numbers = vec![u32::MAX; self.vertices.len()];
+        let mut vertices = Vec::with_capacity(self.triangles.len() / 2 + 2);
+        let mut number = |v: u32| {
+            let number = &mut numbers[first[v as usize] as usize];
+            if *number == u32::MAX {
+                *number = vertices.len() as u32;
+                vertices.push(self.vertices[v as usize]);
+            }
+            *number
+        };
+        let triangles = self.triangles.iter().map(|t| t.map(&mut number)).collect();
+        TriangleMesh { vertices, triangles }
     }
 
     /// The same with corners of exactly equal coordinates shared, in the order of their first use; triangles that collapse are
@@ -172,6 +190,19 @@ mod tests {
         let mesh = tetrahedron();
         assert_eq!(TriangleMesh::from_ply(&mesh.to_ply()), Ok(mesh));
         assert_eq!(TriangleMesh::from_ply(&TriangleMesh::default().to_ply()), Ok(TriangleMesh::default()));
+    }
+
+    #[test]
+    fn a_soup_gets_shared_corners() {
+        let mesh = tetrahedron();
+        let corners = (0..4).flat_map(|t| mesh.corners(t));
+        let soup = TriangleMesh {
+            vertices: corners.map(|v| if v == DVec3::ZERO { -v } else { v }).collect(),
+            triangles: (0..4).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect(),
+        };
+        let indexed = soup.indexed();
+        assert_eq!(indexed.triangles, [[0, 1, 2], [0, 2, 3], [2, 1, 3], [1, 0, 3]]);
+        assert_eq!(indexed.vertices, [0, 2, 1, 3].map(|v| mesh.vertices[v]));
     }
 
     #[test]

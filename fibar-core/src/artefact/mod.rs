@@ -8,6 +8,7 @@ pub mod constellation;
 pub mod courses;
 pub mod mesh;
 pub mod parts;
+pub mod places;
 pub mod routes;
 pub mod sites;
 pub mod sockets;

@@ -23,7 +23,8 @@ pub fn seat(solid: &Solid, flatten_mm: f64) -> Result<TriangleMesh, StageError> 
     Ok(centre(mesh))
 }
 
-fn centre(mut mesh: TriangleMesh) -> TriangleMesh {
+/// Moves a body onto the table, centred by its bounding box.
+pub fn centre(mut mesh: TriangleMesh) -> TriangleMesh {
     let (low, high) = mesh.bounds().unwrap_or_default();
     let origin = ((low + high) * 0.5).with_z(low.z);
     for vertex in &mut mesh.vertices {

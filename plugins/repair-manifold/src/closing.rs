@@ -8,7 +8,7 @@ use crate::holes::holes;
 use crate::nesting::{Nesting, Shell};
 use crate::sheets::Sheets;
 use crate::tangles::{Tangled, untangle};
-use crate::{orientation, seams, sight, volume, walls, weld};
+use crate::{orientation, seams, sight, sound, volume, walls, weld};
 use fibar_core::artefact::mesh::TriangleMesh;
 use fibar_solid::{Solid, SolidError};
 use std::collections::BTreeSet;
@@ -97,6 +97,19 @@ fn close_holes(mesh: &TriangleMesh, limits: Limits, fate: &mut Fate) -> Result<S
     }
     let sheets = Sheets::of(&closed);
     if sheets.is_closed() { Ok(sheets) } else { Err(Obstacle::Edges(Census::of(&closed))) }
+}
+
+/// The mesh itself, welded, if it needs no repair and is large enough for that to matter: then no solid has to be made of it.
+pub fn close_sound(soup: &TriangleMesh, fate: &mut Fate) -> Option<TriangleMesh> {
+    let welded = weld::weld(soup);
+    let volume = volume::signed_volume(&welded.mesh);
+    if welded.degenerate + welded.duplicate > 0 || volume <= 0.0 || !sound::is_sound(&welded.mesh) {
+        return None;
+    }
+    fate.vertices_welded = soup.vertices.len() - welded.mesh.vertices.len();
+    fate.shells = 1;
+    fate.volume_before = volume;
+    Some(welded.mesh)
 }
 
 /// The union of all bodies, each without its cavities.

@@ -20,6 +20,7 @@ mod orientation;
 mod seams;
 mod sheets;
 mod sight;
+mod sound;
 mod tangles;
 #[cfg(test)]
 mod tests;
@@ -78,12 +79,16 @@ impl Stage for RepairManifold {
         job.progress(0.1, "welding")?;
         let limits = Limits { seam_mm: params.seam_mm, largest_hole_mm: params.largest_hole_mm };
         let mut fate = Fate::default();
-        let closed = close(&mesh, limits, &mut fate);
+        let sound = if params.flatten_base_mm == 0.0 { closing::close_sound(&mesh, &mut fate) } else { None };
+        let closed = if sound.is_some() { Ok(None) } else { close(&mesh, limits, &mut fate).map(Some) };
         fate.metrics().into_iter().for_each(|(name, value, unit)| job.metric(name, value, unit));
         fate.changes().iter().for_each(|change| job.log("info", change));
         let solid = closed.map_err(refuse)?;
         job.progress(0.6, "cutting the base")?;
-        let body = base::seat(&solid, params.flatten_base_mm)?;
+        let body = match (solid, sound) {
+            (Some(solid), _) => base::seat(&solid, params.flatten_base_mm)?,
+            (None, mesh) => base::centre(mesh.unwrap_or_default()),
+        };
         job.metric("repair.volume_after_mm3", volume::signed_volume(&body), "mm3");
         job.metric("repair.triangles", body.triangles.len() as f64, "1");
         job.write("body", "body.ply", &body.to_ply())

@@ -1,8 +1,7 @@
 //! Vertices at the very same place become one, and a triangle stands only once. No distance is involved: near is not equal.
 
 use fibar_core::artefact::mesh::TriangleMesh;
-use glam::DVec3;
-use std::collections::HashMap;
+use fibar_core::artefact::places::first_at_place;
 
 /// A mesh whose vertices are all at different places and used, with what was dropped.
 pub struct Welded {
@@ -16,7 +15,7 @@ pub struct Welded {
 
 /// Welds by exact coordinates.
 pub fn weld(mesh: &TriangleMesh) -> Welded {
-    let renamed = rename(mesh);
+    let renamed = first_at_place(&mesh.vertices);
     let renamed = |triangle: &[u32; 3]| triangle.map(|v| renamed[v as usize]);
     let triangles: Vec<[u32; 3]> =
         mesh.triangles.iter().map(renamed).filter(|&triangle| !is_degenerate(triangle)).collect();
@@ -46,18 +45,6 @@ pub fn with_used_vertices(mesh: TriangleMesh) -> TriangleMesh {
 /// Whether a triangle has a corner twice.
 pub fn is_degenerate([a, b, c]: [u32; 3]) -> bool {
     a == b || b == c || c == a
-}
-
-/// For each vertex the first one at its place. The map is only asked, never walked: its order reaches nothing.
-fn rename(mesh: &TriangleMesh) -> Vec<u32> {
-    let mut first: HashMap<[u64; 3], u32> = HashMap::with_capacity(mesh.vertices.len());
-    let numbered = mesh.vertices.iter().zip(0u32..);
-    numbered.map(|(&place, number)| *first.entry(key(place)).or_insert(number)).collect()
-}
-
-/// The bits of a place; −0 counts as 0.
-fn key(v: DVec3) -> [u64; 3] {
-    v.to_array().map(|x| (x + 0.0).to_bits())
 }
 
 /// Keeps one of equal triangles, and none of a pair that stands back to back: together they enclose nothing.
@@ -90,6 +77,7 @@ fn is_rotation([a, b, c]: [u32; 3], other: [u32; 3]) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use glam::DVec3;
 
     #[test]
     fn equal_places_become_one_vertex() {

@@ -96,10 +96,22 @@ impl Stage for SourceMesh {
         let mut parts = parts::of(&file);
         let placed = place(file, &params)?;
         parts::measure(&mut parts, &placed);
+        let placed = share_corners(placed, job);
         job.metric("source.triangles", placed.triangles.len() as f64, "1");
         job.write("mesh", "mesh.ply", &placed.to_ply())?;
         job.write("parts", "parts.json", &parts.to_json())
     }
+}
+
+/// Where a format knows no shared corners (STL), equal ones are the same corner.
+fn share_corners(mesh: TriangleMesh, job: &mut Job) -> TriangleMesh {
+    if mesh.vertices.len() != 3 * mesh.triangles.len() {
+        return mesh;
+    }
+    let shared = mesh.indexed();
+    let counts = format!("{} corners stand at {} places", mesh.vertices.len(), shared.vertices.len());
+    job.log("info", &format!("{counts}: equal ones are shared, as the file cannot say so itself"));
+    shared
 }
 
 fn check(params: &Params) -> Result<(), StageError> {
