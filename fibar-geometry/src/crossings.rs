@@ -148,4 +148,24 @@ mod tests {
         check([1e-300, 0.3, 2.0], false);
         assert!(crossings(&TriangleMesh::default()).is_empty());
     }
+
+    #[test]
+    fn what_is_passed_over_does_not_cross() {
+        use rand::RngExt;
+        use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng};
+        let mut rng = ChaCha8Rng::seed_from_u64(3);
+        for round in 0..40 {
+            // On a coarse lattice many corners lie in planes of others.
+            let step: f64 = if round % 2 == 0 { 1.0 } else { 1e-3 };
+            let mut place =
+                || DVec3::from([0; 3].map(|_| (rng.random_range(0.0..4.0f64) / step).round() * step));
+            let vertices: Vec<DVec3> = (0..60).map(|_| place()).collect();
+            let triangles: Vec<[u32; 3]> = (0..80).map(|_| [0; 3].map(|_| rng.random_range(0..60))).collect();
+            let mesh = TriangleMesh { vertices, triangles };
+            let pairs = (0..80u32).flat_map(|t| (t + 1..80).map(move |other| [t, other]));
+            let all: Vec<Crossing> = pairs.filter_map(|pair| crossing(&mesh, pair)).collect();
+            assert_eq!(crossings(&mesh), all);
+            assert!(all.len() > 20);
+        }
+    }
 }
