@@ -3,8 +3,10 @@
 //! `cargo xtask test` compiles the program and all plugins first and sets `FIBAR_BIN` to their folder and `FIBAR_PEERS` to
 //! that of the peers.
 
+pub mod broken;
 mod build;
 pub mod fuzz;
+pub mod judge;
 mod peer;
 
 pub use build::{Build, Outcome, Workshop};

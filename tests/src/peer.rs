@@ -12,6 +12,9 @@ pub enum Peer {
     Vision(&'static str),
     /// A script of `tests/peers` in the Python environment with Mitsuba.
     Optics(&'static str),
+    /// A script of `tests/peers` in the Python environment with the menders of meshes, which only `test --full` and
+    /// `bench repair` set up.
+    Repair(&'static str),
     /// A script of `tests/peers` run by node, beside the npm packages.
     Node(&'static str),
 }
@@ -30,7 +33,8 @@ impl Peer {
 
     fn script(&self) -> &'static str {
         match self {
-            Peer::Python(script) | Peer::Vision(script) | Peer::Optics(script) | Peer::Node(script) => script,
+            Peer::Python(script) | Peer::Vision(script) | Peer::Optics(script) => script,
+            Peer::Repair(script) | Peer::Node(script) => script,
         }
     }
 
@@ -40,6 +44,7 @@ impl Peer {
             Peer::Python(_) => (folder().join("python/bin/python"), "python.stamp"),
             Peer::Vision(_) => (folder().join("vision/bin/python"), "vision.stamp"),
             Peer::Optics(_) => (folder().join("optics/bin/python"), "optics.stamp"),
+            Peer::Repair(_) => (folder().join("repair/bin/python"), "repair.stamp"),
             Peer::Node(_) => (PathBuf::from("node"), "npm.stamp"),
         };
         folder().join(stamp).exists().then_some((program, script))

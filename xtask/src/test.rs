@@ -17,6 +17,7 @@ pub fn run(checkout: &Checkout, words: &[&str]) -> Result<(), Failure> {
     let mut tests = cargo_test(checkout);
     tests.arg("--no-fail-fast").env("FIBAR_PEERS", peers);
     if full {
+        peers::ensure_menders(checkout)?;
         tests.env("FIBAR_TEST_FULL", "1");
     }
     checkout::run(tests.arg("--").args(filters))
@@ -41,6 +42,9 @@ fn executables(checkout: &Checkout) -> PathBuf {
 
 /// The benches: ratios to peers, printed as a table.
 pub fn bench(checkout: &Checkout, words: &[&str]) -> Result<(), Failure> {
+    if words.is_empty() || words.iter().any(|word| word.starts_with("repair")) {
+        peers::ensure_menders(checkout)?;
+    }
     plugins::compile_all(checkout)?;
     let mut benches =
         checkout.cargo(&["run", "--release", "--quiet", "--package", "fibar-tests", "--bin", "bench", "--"]);

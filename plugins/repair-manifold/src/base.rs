@@ -8,9 +8,9 @@ use glam::DVec3;
 /// Coordinates this close to the plane of the cut are rounding, mm; they become 0.
 const ROUNDING_MM: f64 = 1e-9;
 
-/// Cuts `flatten_mm` off the bottom and moves the rest; centred by its bounding box.
-pub fn seat(solid: &Solid, flatten_mm: f64) -> Result<TriangleMesh, StageError> {
-    let (low, high) = solid.bounds().ok_or_else(|| StageError::input("the mesh encloses no volume"))?;
+/// Cuts `flatten_mm` off the bottom of a closed mesh and moves the rest; centred by its bounding box.
+pub fn seat(closed: TriangleMesh, flatten_mm: f64) -> Result<TriangleMesh, StageError> {
+    let (low, high) = closed.bounds().ok_or_else(|| StageError::input("the mesh encloses no volume"))?;
     let height = high.z - low.z;
     if flatten_mm >= height {
         let message = format!(
@@ -18,9 +18,12 @@ pub fn seat(solid: &Solid, flatten_mm: f64) -> Result<TriangleMesh, StageError> 
         );
         return Err(StageError::user(message).param("/flatten_base_mm").hint("cut off less"));
     }
-    let cut = if flatten_mm > 0.0 { solid.trim(DVec3::Z, low.z + flatten_mm) } else { Ok(solid.clone()) };
-    let mesh = cut.and_then(|cut| cut.to_mesh()).map_err(internal)?;
-    Ok(centre(mesh))
+    if flatten_mm <= 0.0 {
+        return Ok(centre(closed));
+    }
+    let solid = Solid::from_mesh(&closed).map_err(internal)?;
+    let cut = solid.trim(DVec3::Z, low.z + flatten_mm);
+    Ok(centre(cut.and_then(|cut| cut.to_mesh()).map_err(internal)?))
 }
 
 /// Moves a body onto the table, centred by its bounding box.
@@ -51,14 +54,15 @@ mod tests {
                 .map(DVec3::from)
                 .into();
         let solid = Solid::hull(&corners).unwrap();
-        let body = seat(&solid, 4.0).unwrap();
+        let mesh = solid.to_mesh().unwrap();
+        let body = seat(mesh.clone(), 4.0).unwrap();
         let (low, high) = body.bounds().unwrap();
         assert!(low.z == 0.0 && (high.z - 8.0).abs() < 1e-12);
         assert!(((low + high).truncate()).length() < 1e-12);
         assert!(body.vertices.iter().filter(|v| v.z == 0.0).count() >= 3);
         let cut = Solid::from_mesh(&body).unwrap();
         assert!(cut.volume() < solid.volume() && cut.volume() > 0.3 * solid.volume());
-        assert!(seat(&solid, 12.5).unwrap_err().to_string().contains("leaves nothing"));
-        assert_eq!(seat(&solid, 0.0).unwrap().bounds().unwrap().1.z, 12.0);
+        assert!(seat(mesh.clone(), 12.5).unwrap_err().to_string().contains("leaves nothing"));
+        assert_eq!(seat(mesh, 0.0).unwrap().bounds().unwrap().1.z, 12.0);
     }
 }

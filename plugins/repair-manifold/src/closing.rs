@@ -3,15 +3,16 @@
 use crate::census::Census;
 use crate::crossings::{Crossing, crossings};
 use crate::edges::Edges;
+use crate::families::{Family, families, shell_numbers};
 use crate::fate::Fate;
-use crate::holes::holes;
+use crate::holes::{Hole, close_all, holes};
 use crate::nesting::{Nesting, Shell};
 use crate::sheets::Sheets;
 use crate::tangles::{Tangled, untangle};
-use crate::{orientation, seams, sight, sound, volume, walls, weld};
+use crate::{orientation, scuffs, seams, sight, sound, volume, walls, weld};
 use fibar_core::artefact::mesh::TriangleMesh;
 use fibar_solid::{Solid, SolidError};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// How far a repair may go.
 #[derive(Clone, Copy, Debug)]
@@ -43,8 +44,9 @@ impl From<SolidError> for Obstacle {
     }
 }
 
-/// Closes a mesh; notes in `fate` what was done to it.
-pub fn close(soup: &TriangleMesh, limits: Limits, fate: &mut Fate) -> Result<Solid, Obstacle> {
+/// Closes a mesh; notes in `fate` what was done to it. Every side of the result has two triangles that agree and every vertex one
+/// fan of them, so that Manifold takes it as it is.
+pub fn close(soup: &TriangleMesh, limits: Limits, fate: &mut Fate) -> Result<TriangleMesh, Obstacle> {
     let mut mesh = settle(soup, limits, fate);
     let sheets = close_holes(&mesh, limits, fate)?;
     mesh = sheets.mesh.clone();
@@ -56,7 +58,17 @@ pub fn close(soup: &TriangleMesh, limits: Limits, fate: &mut Fate) -> Result<Sol
     if nesting.shells.is_empty() {
         return Err(Obstacle::Nothing);
     }
-    unite(&mesh, &nesting.shells, fate)
+    let found = crossings(&mesh);
+    fate.crossings = found.len();
+    let Some(smoothed) = scuffs::smooth(&mesh, &found) else {
+        return unite(mesh, &nesting.shells, &found, fate);
+    };
+    fate.tangles_cut += smoothed.cut;
+    fate.displacement = fate.displacement.max(smoothed.displacement);
+    let mut mesh = smoothed.mesh;
+    let shells = Nesting::of(&Sheets::of(&mesh), &mut mesh).shells;
+    let found = crossings(&mesh);
+    unite(mesh, &shells, &found, fate)
 }
 
 /// Welds, sews, and settles which side of each triangle is outside.
@@ -91,10 +103,9 @@ fn close_holes(mesh: &TriangleMesh, limits: Limits, fate: &mut Fate) -> Result<S
     }
     let mut closed = sheets.mesh;
     // A rim of two half-edges closes by pairing them: there is no hole.
-    for hole in found.iter().filter(|hole| hole.rim.len() > 2) {
-        fate.cap_area += hole.close(&mut closed);
-        fate.holes_closed += 1;
-    }
+    let found: Vec<Hole> = found.into_iter().filter(|hole| hole.rim.len() > 2).collect();
+    fate.cap_area = close_all(&found, &mut closed);
+    fate.holes_closed = found.len();
     let sheets = Sheets::of(&closed);
     if sheets.is_closed() { Ok(sheets) } else { Err(Obstacle::Edges(Census::of(&closed))) }
 }
@@ -108,46 +119,75 @@ pub fn close_sound(soup: &TriangleMesh, fate: &mut Fate) -> Option<TriangleMesh>
     }
     fate.vertices_welded = soup.vertices.len() - welded.mesh.vertices.len();
     fate.shells = 1;
+    (fate.bodies, fate.bodies_left) = (1, 1);
     fate.volume_before = volume;
     Some(welded.mesh)
 }
 
-/// The union of all bodies, each without its cavities.
-fn unite(mesh: &TriangleMesh, shells: &[Shell], fate: &mut Fate) -> Result<Solid, Obstacle> {
-    let found = crossings(mesh);
-    let mut shell_of = vec![0; mesh.triangles.len()];
-    for (number, shell) in shells.iter().enumerate() {
-        shell.triangles.iter().for_each(|&t| shell_of[t as usize] = number);
+/// The union of all bodies, each without its cavities. Shells that touch no other and are not tangled are kept as they are.
+fn unite(
+    mesh: TriangleMesh,
+    shells: &[Shell],
+    found: &[Crossing],
+    fate: &mut Fate,
+) -> Result<TriangleMesh, Obstacle> {
+    fate.bodies = shells.iter().filter(|shell| shell.volume > 0.0).count();
+    let families = families(&mesh, shells, found);
+    if let [Family { members, is_loose: true }] = families.as_slice()
+        && members.len() == shells.len()
+    {
+        fate.bodies_left = fate.bodies;
+        return Ok(mesh);
     }
+    let mut united = TriangleMesh::default();
+    for family in families {
+        let part = match family.is_loose {
+            true => alone(&mesh, family.members.iter().map(|&number| &shells[number])),
+            false => union_of(&mesh, shells, &family.members, found, fate)?.to_mesh()?,
+        };
+        let first = united.vertices.len() as u32;
+        united.vertices.extend(part.vertices);
+        united.triangles.extend(part.triangles.into_iter().map(|t| t.map(|v| v + first)));
+    }
+    let shells = Sheets::of(&united).shells().into_iter();
+    let volumes = shells.map(|shell| volume::signed_volume_of(&united, shell));
+    fate.bodies_left = volumes.filter(|volume| *volume > 0.0).count();
+    Ok(united)
+}
+
+/// The union of some bodies without their cavities.
+fn union_of(
+    mesh: &TriangleMesh,
+    shells: &[Shell],
+    members: &[usize],
+    found: &[Crossing],
+    fate: &mut Fate,
+) -> Result<Solid, Obstacle> {
+    let shell_of = shell_numbers(mesh, shells);
     let of = |crossing: &Crossing| crossing.triangles.map(|t| shell_of[t as usize]);
     let tangled: BTreeSet<usize> = found.iter().map(of).filter(|[a, b]| a == b).map(|[a, _]| a).collect();
-    fate.crossings = found.len();
-    if found.is_empty() && !may_overlap(shells) {
-        return Ok(Solid::from_mesh(mesh)?);
+    let mut solids = BTreeMap::new();
+    for &number in members {
+        solids.insert(number, solid_of(mesh, &shells[number], tangled.contains(&number), fate)?);
     }
-    let solids = (0..shells.len())
-        .map(|number| solid_of(mesh, &shells[number], tangled.contains(&number), fate))
-        .collect::<Result<Vec<Solid>, Obstacle>>()?;
-    let bodies = (0..shells.len()).filter(|&number| shells[number].volume > 0.0).map(|number| {
-        let is_cavity =
-            |&(k, shell): &(usize, &Shell)| shell.volume < 0.0 && shell.parent == Some(number) && k != number;
-        let cavities = shells.iter().enumerate().filter(is_cavity).map(|(k, _)| &solids[k]);
-        solids[number].subtract(cavities)
+    let bodies = members.iter().filter(|&&number| shells[number].volume > 0.0).map(|&number| {
+        let is_cavity = |k: &&usize| shells[**k].volume < 0.0 && shells[**k].parent == Some(number);
+        solids[&number].subtract(members.iter().filter(is_cavity).map(|k| &solids[k]))
     });
     let bodies = bodies.collect::<Result<Vec<Solid>, SolidError>>()?;
     Ok(Solid::union(&bodies)?)
 }
 
-/// Whether bodies may share material though their triangles do not cross: in each other, or with faces in one plane.
-fn may_overlap(shells: &[Shell]) -> bool {
-    let bodies: Vec<&Shell> = shells.iter().filter(|shell| shell.volume > 0.0).collect();
-    bodies.iter().enumerate().any(|(k, one)| bodies[k + 1..].iter().any(|other| one.may_touch(other)))
+/// Some shells as a mesh of their own.
+fn alone<'a>(mesh: &TriangleMesh, shells: impl IntoIterator<Item = &'a Shell>) -> TriangleMesh {
+    let triangles =
+        shells.into_iter().flat_map(|shell| &shell.triangles).map(|&t| mesh.triangles[t as usize]);
+    weld::with_used_vertices(TriangleMesh { vertices: mesh.vertices.clone(), triangles: triangles.collect() })
 }
 
 /// What a shell encloses, a cavity as if it were a body.
 fn solid_of(mesh: &TriangleMesh, shell: &Shell, tangled: bool, fate: &mut Fate) -> Result<Solid, Obstacle> {
-    let triangles = shell.triangles.iter().map(|&t| mesh.triangles[t as usize]).collect();
-    let mut alone = weld::with_used_vertices(TriangleMesh { vertices: mesh.vertices.clone(), triangles });
+    let mut alone = alone(mesh, [shell]);
     if shell.volume < 0.0 {
         alone.triangles.iter_mut().for_each(orientation::turn);
     }

@@ -3,10 +3,9 @@
 //! Two triangles cross if a side of one passes strictly through the inside of the other. Triangles that touch, share corners or lie
 //! in one plane do not.
 
+use crate::pairs::near_pairs;
 use fibar_core::artefact::mesh::TriangleMesh;
 use glam::DVec3;
-use parry3d_f64::bounding_volume::Aabb;
-use parry3d_f64::partitioning::{Bvh, BvhBuildStrategy};
 use rayon::prelude::*;
 use robust::{Coord3D, orient3d};
 
@@ -21,43 +20,39 @@ pub struct Crossing {
 
 /// All crossings of a mesh, by the triangles' numbers.
 pub fn crossings(mesh: &TriangleMesh) -> Vec<Crossing> {
-    let boxes: Vec<Aabb> = (0..mesh.triangles.len()).map(|t| loose_box(&mesh.corners(t))).collect();
-    if boxes.is_empty() {
-        return Vec::new();
-    }
-    let tree = Bvh::from_leaves(BvhBuildStrategy::Binned, &boxes);
-    let with_later = |t: usize| {
-        let mut near: Vec<u32> = tree.intersect_aabb(&boxes[t]).filter(|&other| other > t as u32).collect();
-        near.sort_unstable();
-        let at = |other| crossing_point(mesh, [t, other as usize]);
-        let found = near
-            .into_iter()
-            .filter_map(|other| at(other).map(|place| Crossing { triangles: [t as u32, other], place }));
-        found.collect::<Vec<_>>()
-    };
-    let found: Vec<Vec<Crossing>> = (0..boxes.len()).into_par_iter().map(with_later).collect();
-    found.into_iter().flatten().collect()
+    let pairs = near_pairs(mesh);
+    let found = pairs.par_iter().filter_map(|&triangles| {
+        let place = crossing_point(mesh, triangles.map(|t| t as usize))?;
+        Some(Crossing { triangles, place })
+    });
+    let mut found: Vec<Crossing> = found.collect();
+    found.sort_unstable_by_key(|crossing| crossing.triangles);
+    found
 }
 
-/// A triangle's box, wide enough for the tree's single precision.
-fn loose_box(corners: &[DVec3; 3]) -> Aabb {
-    const ROUNDING: f64 = 1e-6;
-    let low = corners[0].min(corners[1]).min(corners[2]);
-    let high = corners[0].max(corners[1]).max(corners[2]);
-    let margin = ROUNDING * low.abs().max(high.abs()).max_element();
-    Aabb::new((low - margin).to_array().into(), (high + margin).to_array().into())
+/// False if the plane of one of two triangles has the other strictly on one side.
+pub fn may_touch(mesh: &TriangleMesh, [one, other]: [u32; 2]) -> bool {
+    let [first, second] = [one, other].map(|t| mesh.corners(t as usize));
+    let is_beside = |[a, b, c]: [DVec3; 3], points: [DVec3; 3]| {
+        let heights = points.map(|point| volume(a, b, c, point));
+        heights.iter().all(|&height| height > 0.0) || heights.iter().all(|&height| height < 0.0)
+    };
+    !is_beside(first, second) && !is_beside(second, first)
 }
 
 /// Where a side of one passes through the other. A side that starts or ends at a corner of the other only touches it there.
 fn crossing_point(mesh: &TriangleMesh, [one, other]: [usize; 2]) -> Option<DVec3> {
-    let through = |from: usize, into: usize| {
-        let [a, b, c] = mesh.triangles[from];
-        let apart = |v: u32| !mesh.triangles[into].contains(&v);
-        let sides = [[a, b], [b, c], [c, a]].into_iter().filter(|side| side.iter().all(|&v| apart(v)));
-        let mut ends = sides.map(|side| side.map(|v| mesh.vertices[v as usize]));
-        ends.find_map(|ends| passes_through(ends, mesh.corners(into)))
+    let [first, second] = [mesh.triangles[one], mesh.triangles[other]];
+    let through = |from: [u32; 3], into: [u32; 3]| {
+        let [a, b, c] = from;
+        let apart = from.map(|v| !into.contains(&v));
+        let sides =
+            [([a, b], apart[0] && apart[1]), ([b, c], apart[1] && apart[2]), ([c, a], apart[2] && apart[0])];
+        let place = |v: u32| mesh.vertices[v as usize];
+        let mut apart = sides.into_iter().filter(|(_, apart)| *apart);
+        apart.find_map(|(ends, _)| passes_through(ends.map(place), into.map(place)))
     };
-    through(one, other).or_else(|| through(other, one))
+    through(first, second).or_else(|| through(second, first))
 }
 
 fn passes_through([from, to]: [DVec3; 2], [a, b, c]: [DVec3; 3]) -> Option<DVec3> {

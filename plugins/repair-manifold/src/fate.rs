@@ -23,6 +23,10 @@ pub struct Fate {
     pub cap_area: f64,
     /// Shells of the closed surface, cavities included.
     pub shells: usize,
+    /// Bodies among them.
+    pub bodies: usize,
+    /// Bodies that were left after what overlaps was united.
+    pub bodies_left: usize,
     /// Shells that were inside out.
     pub shells_turned: usize,
     /// Shells that enclosed nothing.
@@ -52,6 +56,8 @@ impl Fate {
             ("repair.walls_removed", self.walls_removed),
             ("repair.holes_closed", self.holes_closed),
             ("repair.shells", self.shells),
+            ("repair.bodies", self.bodies),
+            ("repair.bodies_left", self.bodies_left),
             ("repair.shells_turned", self.shells_turned),
             ("repair.flat_shells_removed", self.flat_shells_removed),
             ("repair.crossings", self.crossings),
@@ -82,6 +88,11 @@ impl Fate {
             (self.tangles_cut, "places cut away where a shell passed through itself"),
         ];
         let noted = counted.into_iter().filter(|(count, _)| *count > 0);
-        noted.map(|(count, what)| format!("{count} {what}")).collect()
+        let mut changes: Vec<String> = noted.map(|(count, what)| format!("{count} {what}")).collect();
+        if self.bodies_left > 0 && self.bodies_left != self.bodies {
+            let [before, after] = [self.bodies, self.bodies_left];
+            changes.push(format!("bodies before and after: {before} and {after}; what overlaps was united, what lies within another is part of it"));
+        }
+        changes
     }
 }

@@ -5,18 +5,23 @@
 //! parted or cut away; overlapping bodies united. No body is dropped, and everything that changed is counted.
 
 mod base;
+mod bulge;
 mod cap;
 mod census;
 mod closing;
 mod crossings;
 mod distance;
+mod drawing;
 mod edges;
+mod families;
 mod fate;
 #[cfg(test)]
 mod fixture;
 mod holes;
 mod nesting;
 mod orientation;
+mod pairs;
+mod scuffs;
 mod seams;
 mod sheets;
 mod sight;
@@ -80,15 +85,12 @@ impl Stage for RepairManifold {
         let limits = Limits { seam_mm: params.seam_mm, largest_hole_mm: params.largest_hole_mm };
         let mut fate = Fate::default();
         let sound = if params.flatten_base_mm == 0.0 { closing::close_sound(&mesh, &mut fate) } else { None };
-        let closed = if sound.is_some() { Ok(None) } else { close(&mesh, limits, &mut fate).map(Some) };
+        let closed = sound.map_or_else(|| close(&mesh, limits, &mut fate), Ok);
         fate.metrics().into_iter().for_each(|(name, value, unit)| job.metric(name, value, unit));
         fate.changes().iter().for_each(|change| job.log("info", change));
-        let solid = closed.map_err(refuse)?;
+        let closed = closed.map_err(refuse)?;
         job.progress(0.6, "cutting the base")?;
-        let body = match (solid, sound) {
-            (Some(solid), _) => base::seat(&solid, params.flatten_base_mm)?,
-            (None, mesh) => base::centre(mesh.unwrap_or_default()),
-        };
+        let body = base::seat(closed, params.flatten_base_mm)?;
         job.metric("repair.volume_after_mm3", volume::signed_volume(&body), "mm3");
         job.metric("repair.triangles", body.triangles.len() as f64, "1");
         job.write("body", "body.ply", &body.to_ply())

@@ -6,7 +6,7 @@
 //! approach to repairing digitized polygon meshes"). Either way the result is judged anew by exact predicates.
 
 use crate::crossings::{Crossing, crossings};
-use crate::holes::holes;
+use crate::holes::{close_all, holes};
 use crate::sheets::Sheets;
 use fibar_core::artefact::mesh::TriangleMesh;
 use fibar_solid::{Solid, SolidError};
@@ -115,7 +115,7 @@ fn tangles(crossings: &[Crossing]) -> Vec<Tangle> {
 
 /// Parts a tangle into strands, if within some box around it they hang together nowhere.
 fn part(solid: &Solid, tangle: &Tangle) -> Result<Option<Solid>, SolidError> {
-    for margin in [0.05, 0.2, 0.5] {
+    for margin in [0.3, 0.05, 1.0] {
         let block = tangle.grown(margin).block()?;
         if block.is_empty() {
             continue;
@@ -171,9 +171,7 @@ fn close_without(
     let triangles = shell.into_iter().map(|t| sheets.mesh.triangles[t as usize]).collect();
     let sheets = Sheets::of(&TriangleMesh { vertices: sheets.mesh.vertices, triangles });
     let mut closed = sheets.mesh.clone();
-    holes(&sheets).iter().for_each(|hole| {
-        hole.close(&mut closed);
-    });
+    close_all(&holes(&sheets), &mut closed);
     let sheets = Sheets::of(&closed);
     let better = sheets.is_closed() && crossings(&sheets.mesh).len() < crossings_before;
     Ok(if better { Some(Solid::from_mesh(&sheets.mesh)?) } else { None })

@@ -15,7 +15,8 @@ const LIMITS: Limits = Limits { seam_mm: 0.005, largest_hole_mm: 1e4 };
 
 fn repair(mesh: &TriangleMesh) -> (Result<Solid, Obstacle>, Fate) {
     let mut fate = Fate::default();
-    (close(mesh, LIMITS, &mut fate), fate)
+    let closed = close(mesh, LIMITS, &mut fate);
+    (closed.and_then(|closed| Ok(Solid::from_mesh(&closed)?)), fate)
 }
 
 /// The repaired mesh is closed, crosses nothing, has so many shells and this volume, within a share.
@@ -47,7 +48,16 @@ fn sound_meshes_pass_untouched() {
     for mesh in [octahedron(5.0), ball(10.0, 10), cube(0.0, 0.0, 0.0)] {
         let volume = signed_volume(&mesh);
         let fate = check(&mesh, 1, volume, 1e-12);
-        assert_eq!(fate, Fate { shells: 1, volume_before: fate.volume_before, ..Fate::default() });
+        assert_eq!(
+            fate,
+            Fate {
+                shells: 1,
+                bodies: 1,
+                bodies_left: 1,
+                volume_before: fate.volume_before,
+                ..Fate::default()
+            }
+        );
         let welded = check(&soup(&mesh), 1, volume, 1e-12);
         assert!(welded.vertices_welded > 0 && welded.changes().is_empty());
     }

@@ -11,3 +11,4 @@ mod pebble;
 mod peers;
 mod plugins;
 mod recipes;
+mod repair;
