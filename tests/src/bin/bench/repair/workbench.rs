@@ -4,7 +4,7 @@ use super::Patient;
 use super::outcome::Said;
 use fibar_core::artefact::mesh::TriangleMesh;
 use fibar_formats::Limits;
-use fibar_tests::broken::cases;
+use fibar_tests::broken::{cases, large_cases};
 use fibar_tests::{Peer, checkout, executables};
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -50,7 +50,7 @@ impl Workbench {
     /// Meshes whose names begin with a word, written for the tools: ours, then those of packages.
     pub fn patients(&self, prefix: &str) -> Result<Vec<Patient>, String> {
         let mut patients = Vec::new();
-        for case in cases().into_iter().filter(|case| case.name.starts_with(prefix)) {
+        for case in cases().into_iter().chain(large_cases()).filter(|case| case.name.starts_with(prefix)) {
             write_stl(&self.path(case.name, "stl"), &case.mesh).map_err(|e| e.to_string())?;
             let (name, what) = (case.name.to_owned(), case.what.to_owned());
             patients.push(Patient { name, what, mesh: case.mesh, truth: Some(case.truth) });
