@@ -3,11 +3,12 @@
 //! What it finds is the best *known*; how much better another could be is what [`crate::bound`] certifies.
 
 use crate::course::costs::{self, Limits, Watch};
-use crate::course::nodes::{MOST_POINTS, Node, Pull, Tables};
+use crate::course::nodes::{MOST_POINTS, Node, Pull, Table, Tables};
 use crate::course::{Course, DEGREE, Ends, FEWEST_POINTS, Freedom};
 use crate::minimise::{MinimiseOptions, minimise};
 use crate::optics::{Absorption, Throughput, ThroughputOptions};
 use crate::passage::Ways;
+use crate::pieces::{self, Piece};
 use crate::room::Room;
 use glam::DVec3;
 
@@ -35,6 +36,8 @@ pub struct AloneOptions {
     pub iterations: usize,
     /// Rounds with growing margins, for courses that break a limit.
     pub rounds: usize,
+    /// Done when the cost has fallen by less than this in ten steps.
+    pub least_gain: f64,
 }
 
 /// A course that keeps all limits, and its light.
@@ -46,12 +49,11 @@ pub struct Alone {
     pub throughput: Throughput,
 }
 
-/// Improves the starts, polylines from the LED to the marker, and returns the best that keeps the limits.
-pub fn best(world: &World, ends: Ends, starts: &[Vec<DVec3>], options: &AloneOptions) -> Option<Alone> {
+/// Improves the starts and returns the best that keeps the limits.
+pub fn best(world: &World, starts: &[Course], options: &AloneOptions) -> Option<Alone> {
     let mut best: Option<Alone> = None;
     for start in starts {
-        let course = Course::along((ends, world.freedom), start, points_for(start, options.span));
-        let found = improve(world, course, options);
+        let found = improve(world, start.clone(), options);
         let better = |found: &Alone| best.as_ref().is_none_or(|b| b.throughput.loss > found.throughput.loss);
         if let Some(found) = found.filter(better) {
             best = Some(found);
@@ -68,11 +70,11 @@ pub fn find(
     keep: usize,
     options: &AloneOptions,
 ) -> Option<Alone> {
-    const PATIENT: AloneOptions = AloneOptions { span: 6.0, iterations: 300, rounds: 10 };
+    const PATIENT: AloneOptions = AloneOptions { span: 6.0, iterations: 300, rounds: 10, least_gain: 1e-5 };
     let starts = promising_starts(world, ends, ways, keep, options);
-    best(world, ends, &starts, options).or_else(|| {
+    best(world, &starts, options).or_else(|| {
         let starts = promising_starts(world, ends, ways, usize::MAX, &PATIENT);
-        best(world, ends, &starts, &PATIENT)
+        best(world, &starts, &PATIENT)
     })
 }
 
@@ -87,10 +89,10 @@ pub fn improve(world: &World, mut course: Course, options: &AloneOptions) -> Opt
         bend_weight: 3.0,
         speed_weight: 1.0,
     };
-    let mut watched = vec![];
+    let mut watched = Watched::default();
     for round in 0..options.rounds {
-        settle(world, &mut course, &limits, &watched, options.iterations);
-        let flaws = flaws(world, &course);
+        settle(world, &mut course, &limits, &watched, (options.iterations, options.least_gain));
+        let flaws = flaws(world, &pieces::of(&course.points));
         if flaws.none() {
             let absorption = &world.absorption;
             let throughput = Throughput::of(&course.curve(), absorption, ThroughputOptions::default());
@@ -99,7 +101,7 @@ pub fn improve(world: &World, mut course: Course, options: &AloneOptions) -> Opt
         if round > 0 && flaws.lack > 4.0 {
             return None;
         }
-        watched.push(flaws.place);
+        watched.add(&flaws);
         limits.wall_weight *= 4.0;
         limits.bend_weight *= 4.0;
         limits.wall_margin += flaws.lack.clamp(0.0, 0.1);
@@ -113,14 +115,15 @@ pub fn settle(
     world: &World,
     course: &mut Course,
     limits: &Limits,
-    watched: &[f64],
-    iterations: usize,
+    watched: &Watched,
+    (iterations, least_gain): (usize, f64),
 ) -> f64 {
     let table = world.tables.of(course.points.len());
     let mut x = course.variables();
     let mut buffers = Buffers::default();
     table.sample(&course.points, &mut buffers.nodes);
-    let watch = Watch::over(&buffers.nodes, world.room, watched);
+    let watch = Watch::over(&buffers.nodes, world.room, &watched.walls);
+    let bends = Table::at(course.points.len(), &watched.bends);
     let mut cost = |x: &[f64], gradient: &mut [f64]| {
         course.set_variables(x);
         gradient.fill(0.0);
@@ -130,10 +133,13 @@ pub fn settle(
         buffers.by_points.clear();
         buffers.by_points.resize(course.points.len(), DVec3::ZERO);
         table.pull_back(&buffers.pulls, &mut buffers.by_points);
+        bends.sample(&course.points, &mut buffers.bends);
+        let bent = costs::of_bends(&buffers.bends, limits, &mut buffers.pulls);
+        bends.pull_back(&buffers.pulls, &mut buffers.by_points);
         course.pull_back(x, &buffers.by_points, gradient);
-        cost.loss + cost.penalty + course.leg_cost(x, gradient)
+        cost.loss + cost.penalty + bent + course.leg_cost(x, gradient)
     };
-    let options = MinimiseOptions { iterations, least_gain: 1e-5, patience: 10, longest_step: 3.0 };
+    let options = MinimiseOptions { iterations, least_gain, patience: 10, longest_step: 3.0 };
     let value = minimise(&mut cost, &mut x, options);
     course.set_variables(&x);
     value
@@ -143,8 +149,37 @@ pub fn settle(
 #[derive(Default)]
 struct Buffers {
     nodes: Vec<Node>,
+    bends: Vec<Node>,
     pulls: Vec<Pull>,
     by_points: Vec<DVec3>,
+}
+
+/// Parameters at which a course is watched beside its nodes, since it broke limits there.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Watched {
+    /// For its distance from walls.
+    pub walls: Vec<f64>,
+    /// For its bend.
+    pub bends: Vec<f64>,
+}
+
+impl Default for Watched {
+    /// The ends, where many a fibre would bend at once.
+    fn default() -> Watched {
+        Watched { walls: vec![], bends: vec![0.0, 1.0] }
+    }
+}
+
+impl Watched {
+    /// Watches the worst places of a course.
+    pub fn add(&mut self, flaws: &Flaws) {
+        if flaws.lack > 0.0 && flaws.lack.is_finite() {
+            self.walls.push(flaws.place);
+        }
+        if flaws.bend > 0.0 {
+            self.bends.push(flaws.bend_place);
+        }
+    }
 }
 
 /// By how much a course breaks its limits.
@@ -156,6 +191,8 @@ pub struct Flaws {
     pub place: f64,
     /// Relative excess of its curvature; not positive if none.
     pub bend: f64,
+    /// The parameter where it bends most.
+    pub bend_place: f64,
 }
 
 impl Flaws {
@@ -165,18 +202,18 @@ impl Flaws {
     }
 }
 
-/// Measures a course against its limits.
-pub fn flaws(world: &World, course: &Course) -> Flaws {
+/// Measures a course, given as its pieces, against its limits.
+pub fn flaws(world: &World, pieces: &[Piece]) -> Flaws {
     const TOLERANCE: f64 = 0.01;
-    const BETWEEN_PLACES: f64 = 1.004; // curvature may be this much greater than where it is looked at
-    let curve = course.curve();
-    let bend = BETWEEN_PLACES * tightest_curvature(&curve) * world.min_bend_radius - 1.0;
+    const TO_SPARE: f64 = 1.0012; // whoever looks again may be off by a thousandth
+    let (curvature, bend_place) = pieces::tightest_curvature(pieces);
+    let bend = TO_SPARE * curvature * world.min_bend_radius - 1.0;
     // Bends are looked at first: walls take longer.
     if bend > 0.5 {
-        return Flaws { lack: f64::INFINITY, place: 0.5, bend };
+        return Flaws { lack: f64::INFINITY, place: 0.5, bend, bend_place };
     }
-    let (slack, place) = world.room.least_slack(&curve, TOLERANCE);
-    Flaws { lack: -slack, place, bend }
+    let (slack, place) = world.room.least_slack(pieces, TOLERANCE);
+    Flaws { lack: -slack, place, bend, bend_place }
 }
 
 /// Largest curvature among sixteen places of every span, 1/mm.
@@ -208,7 +245,7 @@ pub fn promising_starts(
     ways: Option<&Ways>,
     keep: usize,
     options: &AloneOptions,
-) -> Vec<Vec<DVec3>> {
+) -> Vec<Course> {
     const EASES: [f64; 4] = [0.5, 0.9, 1.4, 2.0];
     let mut starts: Vec<Vec<DVec3>> = EASES.iter().map(|ease| hermite(ends, *ease)).collect();
     starts.extend(ways.and_then(|ways| detour(ends, ways)));
@@ -219,16 +256,16 @@ pub fn promising_starts(
         bend_weight: 3.0,
         speed_weight: 0.0,
     };
-    let mut ranked: Vec<(f64, Vec<DVec3>)> = starts
+    let mut ranked: Vec<(f64, Course)> = starts
         .into_iter()
         .map(|start| {
             let count = points_for(&start, options.span);
             let mut course = Course::along((ends, world.freedom), &start, count);
-            (settle(world, &mut course, &limits, &[], 12), start)
+            (settle(world, &mut course, &limits, &Watched::default(), (12, options.least_gain)), course)
         })
         .collect();
     ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
-    ranked.into_iter().take(keep).map(|(_, start)| start).collect()
+    ranked.into_iter().take(keep).map(|(_, course)| course).collect()
 }
 
 /// The shortest way through the room, with straight legs at either end.

@@ -355,7 +355,7 @@ mod tests {
         let absorption = absorption();
         let world = World { room: &room, absorption, tables: &tables, freedom, min_bend_radius: 12.0 };
         let bounds = LeastLoss::new(&absorption, 12.0);
-        let options = AloneOptions { span: 7.5, iterations: 120, rounds: 6 };
+        let options = AloneOptions { span: 7.5, iterations: 120, rounds: 6, least_gain: 1e-5 };
         let mut random = Random(3);
         let mut shares = vec![];
         for case in 0..24 {

@@ -13,6 +13,7 @@ pub mod alone;
 pub mod bound;
 pub mod course;
 pub mod passage;
+pub mod pieces;
 pub mod room;
 
 pub mod crossings;

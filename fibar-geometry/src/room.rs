@@ -4,8 +4,8 @@
 //! distance to a hole after the outer radius and the wall, whichever is less; negative where an axis must not run. Near its
 //! ends a fibre has to come through: there slack does not count.
 
-use crate::curve::Curve;
 use crate::distance::{DistanceGrid, GridOptions, Lattice, Surface};
+use crate::pieces::Piece;
 use fibar_core::artefact::sockets::{Cavity, Section, Sockets};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -53,7 +53,9 @@ impl Room {
         let beside = keeping.radius + keeping.wall;
         let slack = |n: usize| {
             let body = -grid.samples()[n] - inset;
-            holes.iter().fold(body, |least, hole| least.min(distance(hole, lattice.place(n)) - beside))
+            let place = lattice.place(n);
+            let near = holes.iter().filter(|hole| may_be_within(hole, body + beside, place));
+            near.fold(body, |least, hole| least.min(distance(hole, place) - beside))
         };
         let slack = (0..lattice.len()).into_par_iter().map(slack).collect();
         Room { surface, keeping, holes, lattice, slack }
@@ -110,35 +112,26 @@ impl Room {
         self.holes.iter().fold(body.min(enough), |least, hole| least.min(distance(hole, place) - beside))
     }
 
-    /// The least slack along a curve, its ends excepted, to `tolerance` mm: never more than the true one; and its parameter.
-    pub fn least_slack(&self, curve: &Curve, tolerance: f64) -> (f64, f64) {
-        let stretch = Stretch::of(curve, self.exempt_start(), self.exempt_end());
-        stretch.parts().fold((f64::INFINITY, 0.0), |least, (a, b)| {
-            let ends = (curve.point(a), curve.point(b));
-            lesser(least, self.least_between(curve, (a, b), ends, tolerance, least.0))
-        })
+    /// The least slack along a course, its ends excepted, to `tolerance` mm: never more than the true one; and its parameter.
+    pub fn least_slack(&self, pieces: &[Piece], tolerance: f64) -> (f64, f64) {
+        let inner = without_ends(pieces, self.exempt_start(), self.exempt_end());
+        let from = (f64::INFINITY, 0.0);
+        inner.iter().fold(from, |least, piece| lesser(least, self.least_on(piece, tolerance, least.0)))
     }
 
-    /// The slack falls by no more than 1 mm per mm, so the middle of a short piece bounds what lies beside it.
-    fn least_between(
-        &self,
-        curve: &Curve,
-        (a, b): (f64, f64),
-        ends: (DVec3, DVec3),
-        tolerance: f64,
-        known: f64,
-    ) -> (f64, f64) {
-        const BEND: f64 = 1.02; // an arc is this much longer than its chord where pieces are short
+    /// The slack falls by no more than 1 mm per mm, so the middle of a short piece bounds what lies in its control polygon.
+    fn least_on(&self, piece: &Piece, tolerance: f64, known: f64) -> (f64, f64) {
         const TOLD_APART: f64 = 1.0;
-        let reach = BEND * ends.0.distance(ends.1);
-        let half = 0.5 * (a + b);
-        let middle = curve.point(half);
-        let bound = self.exact_slack(middle, TOLD_APART + reach) - 0.5 * reach;
-        if bound >= known.min(TOLD_APART) || reach < tolerance {
-            return (bound, half);
+        let middle = piece.point(0.5);
+        let reach = piece.points.iter().fold(0.0, |most: f64, p| most.max(p.distance_squared(middle))).sqrt();
+        let place = 0.5 * (piece.domain[0] + piece.domain[1]);
+        let bound = self.exact_slack(middle, TOLD_APART + reach) - reach;
+        if bound >= known.min(TOLD_APART) || 2.0 * reach < tolerance {
+            return (bound, place);
         }
-        let left = self.least_between(curve, (a, half), (ends.0, middle), tolerance, known);
-        lesser(left, self.least_between(curve, (half, b), (middle, ends.1), tolerance, known.min(left.0)))
+        let [first, second] = piece.halves();
+        let first = self.least_on(&first, tolerance, known);
+        lesser(first, self.least_on(&second, tolerance, known.min(first.0)))
     }
 }
 
@@ -147,44 +140,39 @@ fn lesser(a: (f64, f64), b: (f64, f64)) -> (f64, f64) {
     if b.0 < a.0 { b } else { a }
 }
 
-/// The part of a curve between two arcs from its ends, cut into short pieces.
-struct Stretch {
-    stops: Vec<f64>,
+/// What lies between two arcs from the ends, mm; arcs are counted in eighths of a piece.
+fn without_ends(pieces: &[Piece], from_start: f64, from_end: f64) -> Vec<Piece> {
+    let start = reached(pieces.iter().copied(), from_start);
+    let end = reached(pieces.iter().rev().map(Piece::reversed), from_end);
+    let (Some((first, from)), Some((last, to))) = (start, end) else { return vec![] };
+    let (last, to) = (pieces.len() - 1 - last, 1.0 - to);
+    let part = |k: usize| {
+        let from = if k == first { from } else { 0.0 };
+        let to = if k == last { to } else { 1.0 };
+        (from < to).then(|| pieces[k].between(from, to))
+    };
+    (first..last + 1).filter_map(part).collect()
 }
 
-impl Stretch {
-    fn of(curve: &Curve, from_start: f64, from_end: f64) -> Stretch {
-        const PIECES_A_SPAN: usize = 8;
-        let breaks = curve.breaks();
-        let stops: Vec<f64> = breaks
-            .windows(2)
-            .flat_map(|w| {
-                (0..PIECES_A_SPAN).map(move |k| w[0] + (w[1] - w[0]) * k as f64 / PIECES_A_SPAN as f64)
-            })
-            .chain(breaks.last().copied())
-            .collect();
-        let mut arcs = vec![0.0];
-        for w in stops.windows(2) {
-            let piece = curve.point(w[0]).distance(curve.point(w[1]));
-            arcs.push(arcs[arcs.len() - 1] + piece);
+/// The piece in which an arc from the start ends, and where in it; none if all pieces are shorter.
+fn reached(pieces: impl Iterator<Item = Piece>, arc: f64) -> Option<(usize, f64)> {
+    const PARTS: u32 = 8;
+    let mut walked = 0.0;
+    for (number, piece) in pieces.enumerate() {
+        let mut here = piece.points[0];
+        for k in 1..=PARTS {
+            let t = f64::from(k) / f64::from(PARTS);
+            let next = piece.point(t);
+            let step = here.distance(next);
+            if walked + step > arc {
+                let share = (arc - walked) / step;
+                return Some((number, (f64::from(k - 1) + share) / f64::from(PARTS)));
+            }
+            walked += step;
+            here = next;
         }
-        let (from, to) = (from_start, arcs[arcs.len() - 1] - from_end);
-        let inner = (0..stops.len()).filter(|&k| from < arcs[k] && arcs[k] < to).map(|k| stops[k]);
-        let at = |arc: f64| {
-            let k = arcs.partition_point(|a| *a < arc).clamp(1, arcs.len() - 1);
-            let share = (arc - arcs[k - 1]) / (arcs[k] - arcs[k - 1]).max(1e-12);
-            stops[k - 1] + share * (stops[k] - stops[k - 1])
-        };
-        let stops = match from < to {
-            true => std::iter::once(at(from)).chain(inner).chain(std::iter::once(at(to))).collect(),
-            false => vec![],
-        };
-        Stretch { stops }
     }
-
-    fn parts(&self) -> impl Iterator<Item = (f64, f64)> {
-        self.stops.windows(2).map(|w| (w[0], w[1]))
-    }
+    None
 }
 
 /// The holes of the LEDs as cavities, and the cavities.
@@ -213,6 +201,16 @@ fn distance(cavity: &Cavity, place: DVec3) -> f64 {
         }
     };
     libm::hypot(beside, height.max(-height - cavity.depth_mm).max(0.0))
+}
+
+/// Whether a cavity might be within a distance of a place, mm: a ball around it is.
+fn may_be_within(cavity: &Cavity, distance: f64, place: DVec3) -> bool {
+    let half = match cavity.section {
+        Section::Circle { diameter_mm } => 0.5 * diameter_mm,
+        Section::Rectangle { width_mm, length_mm } => 0.5 * libm::hypot(width_mm, length_mm),
+    };
+    let reach = distance + cavity.depth_mm + half;
+    reach > 0.0 && place.distance_squared(cavity.position) < reach * reach
 }
 
 #[cfg(test)]

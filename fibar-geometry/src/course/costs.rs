@@ -52,6 +52,14 @@ pub fn of_nodes(
     cost
 }
 
+/// Lost light `∫a ds` of a course by its nodes.
+pub fn loss(nodes: &[Node], absorption: &Absorption) -> f64 {
+    nodes.iter().fold(0.0, |sum, Node { velocity: v, acceleration: a, weight, .. }| {
+        let speed = v.length().max(1e-9);
+        sum + weight * speed * absorption.per_mm(v.cross(*a).length() / (speed * speed * speed))
+    })
+}
+
 /// Lost light at a node, and the cost of bending too tightly there.
 fn of_bend(node: &Node, absorption: &Absorption, limits: &Limits, pull: &mut Pull) -> Cost {
     const SLOWEST: f64 = 1e-9;
@@ -74,6 +82,30 @@ fn of_bend(node: &Node, absorption: &Absorption, limits: &Limits, pull: &mut Pul
         pull.acceleration += slope * unit.cross(v) / cube;
     }
     Cost { loss: weight * speed * absorbed, penalty: weight * speed * bend }
+}
+
+/// Cost of bending too tightly at single places; the derivatives are written to `pulls`, one for each, cleared before.
+pub fn of_bends(places: &[Node], limits: &Limits, pulls: &mut Vec<Pull>) -> f64 {
+    const STANDS_FOR_MM: f64 = 2.0;
+    pulls.clear();
+    pulls.resize(places.len(), Pull::default());
+    let mut cost = 0.0;
+    for (Node { velocity: v, acceleration: a, .. }, pull) in places.iter().zip(pulls) {
+        let speed = v.length().max(1e-9);
+        let cross = v.cross(*a);
+        let (area, cube) = (cross.length(), speed * speed * speed);
+        let curvature = area / cube;
+        let excess = curvature / limits.curvature - 1.0;
+        if excess <= 0.0 {
+            continue;
+        }
+        cost += STANDS_FOR_MM * limits.bend_weight * excess * excess;
+        let slope = 2.0 * STANDS_FOR_MM * limits.bend_weight * excess / limits.curvature;
+        let unit = cross / area;
+        pull.velocity = slope * (a.cross(unit) / cube - 3.0 * curvature / (speed * speed) * *v);
+        pull.acceleration = slope * unit.cross(*v) / cube;
+    }
+    cost
 }
 
 /// `Σ w (s − S)²/S²`, S the length: the nodes stay where they can see.

@@ -55,6 +55,14 @@ pub struct Pull {
     pub acceleration: DVec3,
 }
 
+impl Row {
+    fn at(curve: &Curve, parameter: f64, weight: f64) -> Row {
+        let (first, basis) = curve.basis_at(parameter);
+        let basis = basis.map(|values| [values[0], values[1], values[2], values[3]]);
+        Row { first, basis, parameter, weight }
+    }
+}
+
 impl Table {
     /// The table for `count` control points.
     pub fn of(count: usize) -> Table {
@@ -64,11 +72,16 @@ impl Table {
         let row = |k: usize| {
             let (at, weight) = GAUSS_4[k % NODES_A_SPAN];
             let u = ((k / NODES_A_SPAN) as f64 + at) / spans as f64;
-            let (first, basis) = curve.basis_at(u);
-            let basis = basis.map(|values| [values[0], values[1], values[2], values[3]]);
-            Row { first, basis, parameter: u, weight: weight / spans as f64 }
+            Row::at(&curve, u, weight / spans as f64)
         };
         Table { rows: (0..spans * NODES_A_SPAN).map(row).collect(), count }
+    }
+
+    /// Single places of courses of `count` control points, without weight.
+    pub fn at(count: usize, parameters: &[f64]) -> Table {
+        let line = vec![DVec3::ZERO; count];
+        let curve = Curve::clamped_uniform(DEGREE, &line).expect("a course has six points or more");
+        Table { rows: parameters.iter().map(|u| Row::at(&curve, *u, 0.0)).collect(), count }
     }
 
     /// Number of control points that it is for.

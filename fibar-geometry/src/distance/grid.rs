@@ -33,8 +33,9 @@ impl DistanceGrid {
         let band = options.band.max(options.spacing);
         let mut samples = vec![0.0; lattice.len()];
         let row = lattice.counts[0];
+        let blocks = Blocks::of(surface, &lattice, band);
         let rows = samples.par_chunks_mut(row).enumerate();
-        rows.for_each(|(k, samples)| sample_row(surface, &lattice, k * row, band, samples));
+        rows.for_each(|(k, samples)| sample_row(surface, &lattice, &blocks, (k, band), samples));
         DistanceGrid { lattice, samples }
     }
 
@@ -65,13 +66,52 @@ impl DistanceGrid {
     }
 }
 
+/// Cubes of samples, and which of them may have the surface within the band.
+struct Blocks {
+    counts: [usize; 3],
+    near: Vec<bool>,
+}
+
+/// Samples along a block's side.
+const SIDE: usize = 4;
+
+impl Blocks {
+    fn of(surface: &Surface, lattice: &Lattice, band: f64) -> Blocks {
+        let counts = lattice.counts.map(|n| n.div_ceil(SIDE));
+        let half = 0.5 * (SIDE - 1) as f64;
+        let reach = (band + half * 3f64.sqrt() * lattice.spacing) * (1.0 + 1e-12);
+        let is_near = |block: usize| {
+            let at = [block % counts[0], block / counts[0] % counts[1], block / (counts[0] * counts[1])];
+            let middle = DVec3::from(at.map(|k| (k * SIDE) as f64 + half));
+            surface.closest_within(lattice.origin + lattice.spacing * middle, reach).is_some()
+        };
+        let near = (0..counts.iter().product()).into_par_iter().map(is_near).collect();
+        Blocks { counts, near }
+    }
+
+    /// The first block of the row of samples with this number.
+    fn row(&self, number: usize, lattice: &Lattice) -> &[bool] {
+        let (j, k) = (number % lattice.counts[1] / SIDE, number / lattice.counts[1] / SIDE);
+        &self.near[(k * self.counts[1] + j) * self.counts[0]..][..self.counts[0]]
+    }
+}
+
 /// One row along x. It starts outside. A neighbour's distance plus the spacing bounds the search; where nothing is within
 /// the band the sign is the neighbour's, since a surface between the two would be within half a spacing of one of them.
-fn sample_row(surface: &Surface, lattice: &Lattice, first: usize, band: f64, samples: &mut [f64]) {
+fn sample_row(
+    surface: &Surface,
+    lattice: &Lattice,
+    blocks: &Blocks,
+    (row, band): (usize, f64),
+    samples: &mut [f64],
+) {
+    let first = row * lattice.counts[0];
+    let near = blocks.row(row, lattice);
     let mut last = f64::INFINITY;
     for (k, sample) in samples.iter_mut().enumerate() {
         let reach = (last.abs() + lattice.spacing).min(band) * (1.0 + 1e-12);
-        let found = surface.closest_within(lattice.place(first + k), reach);
+        let look = || surface.closest_within(lattice.place(first + k), reach);
+        let found = if near[k / SIDE] { look() } else { None };
         *sample = found.map_or(band.copysign(last), |c| c.signed_distance);
         last = *sample;
     }

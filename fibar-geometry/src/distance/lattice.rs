@@ -42,8 +42,20 @@ impl Lattice {
     /// Value and gradient (per mm) between the samples, linear along each axis. Places outside take the nearest of the box.
     pub fn interpolate_linear(&self, samples: &[f64], place: DVec3) -> (f64, DVec3) {
         let (corner, t) = self.cell(place);
-        let weights = t.to_array().map(|t| ([1.0 - t, t], [-1.0, 1.0]));
-        self.weigh(|n| samples[n], corner, weights)
+        let [nx, ny, _] = self.counts;
+        let first = (corner.z as usize * ny + corner.y as usize) * nx + corner.x as usize;
+        // Along x on the four edges of the cell, then along y on two faces, then along z.
+        let edge = |row: usize| {
+            let [a, b] = [samples[first + row], samples[first + row + 1]];
+            (a + t.x * (b - a), b - a)
+        };
+        let face = |row: usize| {
+            let ((a, ax), (b, bx)) = (edge(row), edge(row + nx));
+            (a + t.y * (b - a), ax + t.y * (bx - ax), b - a)
+        };
+        let ((a, ax, ay), (b, bx, by)) = (face(0), face(nx * ny));
+        let slope = DVec3::new(ax + t.z * (bx - ax), ay + t.z * (by - ay), b - a);
+        (a + t.z * (b - a), slope / self.spacing)
     }
 
     /// The same by Catmull–Rom cubics: the gradient is continuous, the error of fourth order in the spacing.
@@ -63,8 +75,9 @@ impl Lattice {
         let [nx, ny, nz] = self.counts.map(|n| n as f64);
         let last = DVec3::new(nx - 2.0, ny - 2.0, nz - 2.0);
         let at = ((place - self.origin) / self.spacing).clamp(DVec3::ONE, last);
-        let corner = at.floor().min(last - 1.0);
-        (corner.as_ivec3(), at - corner)
+        // Nothing is negative: cutting off is rounding down.
+        let corner = at.min(last - 1.0).as_ivec3();
+        (corner, at - corner.as_dvec3())
     }
 
     /// The tensor product of weights (and their slopes) per axis, applied to the samples from `corner` on.

@@ -96,9 +96,11 @@ fn lights(
     const FAINTEST: f64 = 20.0; // d_cam is 0.3 mm
     const BEYOND_BEST: f64 = 0.5; // so that a bound that the best known breaks shows
     let (keep, options, attempts) = match effort {
-        Effort::Quick => (1, AloneOptions { span: 9.0, iterations: 60, rounds: 5 }, 4),
-        Effort::Normal => (2, AloneOptions { span: 7.5, iterations: 120, rounds: 6 }, 12),
-        Effort::Thorough => (usize::MAX, AloneOptions { span: 6.0, iterations: 500, rounds: 8 }, 60),
+        Effort::Quick => (1, AloneOptions { span: 9.0, iterations: 60, rounds: 5, least_gain: 1e-5 }, 4),
+        Effort::Normal => (2, AloneOptions { span: 7.5, iterations: 120, rounds: 6, least_gain: 1e-5 }, 12),
+        Effort::Thorough => {
+            (usize::MAX, AloneOptions { span: 6.0, iterations: 500, rounds: 8, least_gain: 1e-5 }, 60)
+        }
     };
     let best = find(world, ends, ways, keep, &options);
     let enough = best.as_ref().map_or(FAINTEST, |best| best.throughput.loss + BEYOND_BEST);

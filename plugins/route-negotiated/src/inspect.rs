@@ -3,23 +3,36 @@
 use crate::gaps::{Chords, Contact, contacts};
 use crate::joint::Strand;
 use fibar_geometry::alone::{Flaws, World, flaws};
+use fibar_geometry::pieces;
 use rayon::prelude::*;
 
-/// Everything that is wrong; nothing here is sampled without a margin.
+/// Everything that is wrong; nothing here is sampled.
 pub struct Faults {
     /// Pairs of strands that are too close.
     pub contacts: Vec<Contact>,
     /// What each strand breaks of its own limits.
     pub flaws: Vec<Flaws>,
+    chords: Vec<Chords>,
 }
 
 impl Faults {
     /// Looks at all strands; axes of two patterns have to be `apart` mm from each other.
     pub fn of(world: &World, strands: &[Strand], apart: f64) -> Faults {
-        let chords: Vec<Chords> =
-            strands.par_iter().map(|s| Chords::of(s.pattern, &s.course.curve())).collect();
-        let flaws = strands.par_iter().map(|s| flaws(world, &s.course)).collect();
-        Faults { contacts: contacts(&chords, apart), flaws }
+        let looks: Vec<(Chords, Flaws)> = strands.par_iter().map(|strand| look(world, strand)).collect();
+        let (chords, flaws): (Vec<Chords>, Vec<Flaws>) = looks.into_iter().unzip();
+        Faults { contacts: contacts(&chords, apart), flaws, chords }
+    }
+
+    /// Looks again, at strands that are not held; the others are as they were.
+    pub fn look_again(&mut self, world: &World, strands: &[Strand], apart: f64) {
+        let looks = strands.par_iter().map(|strand| (!strand.held).then(|| look(world, strand)));
+        let looks: Vec<Option<(Chords, Flaws)>> = looks.collect();
+        for (k, look) in looks.into_iter().enumerate() {
+            if let Some(look) = look {
+                (self.chords[k], self.flaws[k]) = look;
+            }
+        }
+        self.contacts = contacts(&self.chords, apart);
     }
 
     /// Whether all limits are kept.
@@ -42,4 +55,9 @@ impl Faults {
         let own = self.flaws.iter().fold(0.0, |sum, f| sum + lack(f));
         self.contacts.iter().fold(own, |sum, c| sum + apart - c.distance)
     }
+}
+
+fn look(world: &World, strand: &Strand) -> (Chords, Flaws) {
+    let pieces = pieces::of(&strand.course.points);
+    (Chords::of(strand.pattern, &pieces), flaws(world, &pieces))
 }

@@ -3,6 +3,7 @@
 //! [`alone`](negotiate) every fibre finds its best course as if it were the only one, then all of them make room for each other
 //! ([`joint`]) until none comes closer than it may ([`gaps`]). docs/route-negotiated.md tells how, and what was measured.
 
+mod crowd;
 mod gaps;
 mod inspect;
 mod joint;

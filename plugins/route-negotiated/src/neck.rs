@@ -7,7 +7,7 @@ use fibar_core::MarkerId;
 use fibar_geometry::room::Room;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::{PI, TAU};
 
 /// One fibre on its best way alone.
@@ -74,7 +74,7 @@ impl Neck {
 
 /// The fullest cross-section along all ways, if there is any that two patterns share.
 pub fn fullest(room: &Room, ways: &[Way], sizes: Sizes) -> Option<Neck> {
-    let planes: Vec<(DVec3, DVec3)> = ways.iter().flat_map(|way| planes_along(&way.places)).collect();
+    let planes = told_apart(ways.iter().flat_map(|way| planes_along(&way.places)));
     let fullness = |plane: &(DVec3, DVec3)| {
         let section = Section::flood(room, *plane, COARSE_MM, 0.0);
         let patterns = section.crossing(ways).len();
@@ -132,6 +132,18 @@ fn planes_along(places: &[DVec3]) -> Vec<(DVec3, DVec3)> {
         }
     }
     planes
+}
+
+/// One of all planes that are nearly the same.
+fn told_apart(planes: impl Iterator<Item = (DVec3, DVec3)>) -> Vec<(DVec3, DVec3)> {
+    const TURN: f64 = 0.25;
+    let mut seen = BTreeSet::new();
+    let key = |(place, normal): &(DVec3, DVec3)| {
+        // A plane and its other side are the same.
+        let normal = if normal.z < 0.0 { -*normal } else { *normal };
+        [(place / STEP_MM).round(), (normal / TURN).round()].map(|v| v.as_ivec3().to_array())
+    };
+    planes.filter(|plane| seen.insert(key(plane))).collect()
 }
 
 /// What axes can reach of a plane from a place on it.

@@ -6,6 +6,7 @@
 //! 4. What still breaks a limit moves until nothing does, all else held.
 //! 5. All settle once more; that is kept only if it keeps every limit.
 
+use crate::crowd::Crowd;
 use crate::inspect::Faults;
 use crate::joint::{Apart, Strand, settle};
 use crate::misfit::{self, Misfit};
@@ -13,9 +14,9 @@ use crate::mouths;
 use crate::neck::{self, Sizes, Way};
 use crate::nets::Net;
 use crate::params::{Effort, OnMisfit, Params};
-use crate::reroute::{self, Reroute, loss_of};
+use crate::reroute::{self, Alone, Reroute, loss_of};
 use crate::trunks;
-use fibar_geometry::alone::{World, find};
+use fibar_geometry::alone::{Watched, World, find};
 use fibar_geometry::course::costs::Limits;
 use fibar_geometry::course::{Course, Freedom};
 use fibar_geometry::minimise::MinimiseOptions;
@@ -92,8 +93,8 @@ fn fit(
             trunks::bundle(neck, nets, &mut bundled);
             strands.iter_mut().zip(bundled).for_each(|(strand, (_, course))| strand.course = course);
         }
-        make_room(world, &mut strands, crowded.is_some(), params, job)?;
-        if finish(world, &mut strands, params, job)? {
+        let alone = make_room(world, &mut strands, crowded.is_some(), params, job)?;
+        if finish(world, &mut strands, &alone, params, job)? {
             polish(world, &mut strands, params);
             let routed = courses.iter().zip(strands).map(|((net, _), strand)| (*net, strand.course));
             return Ok(Outcome { courses: routed.collect() });
@@ -149,7 +150,7 @@ fn strand(net: &Net, course: &Course, params: &Params) -> Strand {
         course: course.clone(),
         margin: 0.0,
         limits,
-        watched: vec![],
+        watched: Watched::default(),
         held: false,
     }
 }
@@ -183,17 +184,21 @@ fn make_room(
     bundled: bool,
     params: &Params,
     job: &mut Job,
-) -> Result<(), StageError> {
+) -> Result<Vec<Alone>, StageError> {
     const WHILE_LOOKING: f64 = 0.04;
-    let weights: &[f64] = match params.effort {
-        _ if bundled => &[0.15, 0.4, 1.0, 2.5],
-        Effort::Quick => &[0.02, 0.15, 1.0],
-        Effort::Normal => &[0.02, 0.06, 0.12, 0.25, 0.6, 2.0],
-        Effort::Thorough => &[0.02, 0.04, 0.08, 0.15, 0.3, 0.6, 1.2, 2.4],
+    let (iterations, weights): (usize, &[f64]) = match params.effort {
+        _ if bundled => (80, &[0.15, 0.4, 1.0, 2.5]),
+        Effort::Quick => (40, &[0.02, 0.15, 1.0]),
+        Effort::Normal => (40, &[0.02, 0.06, 0.12, 0.25, 0.6, 2.0]),
+        Effort::Thorough => (80, &[0.02, 0.04, 0.08, 0.15, 0.3, 0.6, 1.2, 2.4]),
     };
-    let steps = MinimiseOptions { iterations: 80, least_gain: 1e-3, patience: 10, longest_step: 2.0 };
-    let alone: Vec<(Course, f64)> =
-        strands.par_iter().map(|s| (s.course.clone(), loss_of(world, &s.course))).collect();
+    let steps = MinimiseOptions { iterations, least_gain: 1e-3, patience: 10, longest_step: 2.0 };
+    let alone = |strand: &Strand| Alone {
+        course: strand.course.clone(),
+        loss: loss_of(world, &strand.course),
+        looked_at: 0.0,
+    };
+    let mut alone: Vec<Alone> = strands.par_iter().map(alone).collect();
     let distance = params.apart() + APART_MARGIN;
     for (round, &weight) in weights.iter().enumerate() {
         let share = |t: f64| 0.3 + 0.5 * (round as f64 + t) / weights.len() as f64;
@@ -201,9 +206,10 @@ fn make_room(
             let options = Reroute {
                 apart: Apart { distance, weight: weight.min(WHILE_LOOKING) },
                 least_excess: 0.2,
+                least_rise: 0.1,
                 aside: 6.0,
             };
-            let changed = reroute::pass(world, strands, &alone, &options, &mut |t| {
+            let changed = reroute::pass(world, strands, &mut alone, &options, &mut |t| {
                 job.progress(share(0.7 * t), "other ways")
             })?;
             job.log("info", &format!("{changed} fibres took another way"));
@@ -211,17 +217,23 @@ fn make_room(
         job.progress(share(0.7), "all fibres together")?;
         settle(world, strands, Apart { distance, weight }, steps);
     }
-    Ok(())
+    Ok(alone)
 }
 
 /// Moves what breaks a limit until nothing does, all else held; whether that came to an end.
-fn finish(world: &World, strands: &mut [Strand], params: &Params, job: &mut Job) -> Result<bool, StageError> {
+fn finish(
+    world: &World,
+    strands: &mut [Strand],
+    alone: &[Alone],
+    params: &Params,
+    job: &mut Job,
+) -> Result<bool, StageError> {
     const ROUNDS: u32 = 20;
     let steps = MinimiseOptions { iterations: 100, least_gain: 1e-4, patience: 10, longest_step: 1.0 };
     let apart = Apart { distance: params.apart() + APART_MARGIN, weight: 4.0 };
+    let mut faults = Faults::of(world, strands, params.apart());
     for round in 0..ROUNDS {
         job.progress(0.8 + 0.15 * f64::from(round) / f64::from(ROUNDS), "limits")?;
-        let faults = Faults::of(world, strands, params.apart());
         job.log(
             "debug",
             &format!(
@@ -236,22 +248,63 @@ fn finish(world: &World, strands: &mut [Strand], params: &Params, job: &mut Job)
             strands.iter_mut().for_each(|strand| strand.held = false);
             return Ok(true);
         }
+        let moving = faults.strands();
+        let kinked = |k: &usize| faults.flaws[*k].bend > 0.5;
+        let stuck: Vec<usize> =
+            moving.iter().copied().filter(|k| round % 5 == 4 || (round > 0 && kinked(k))).collect();
+        if !stuck.is_empty() {
+            start_again(world, strands, &stuck, alone, Apart { weight: 1.0, ..apart });
+            faults = Faults::of(world, strands, params.apart());
+        }
         urge(strands, &faults, params.apart());
         let moving = faults.strands();
         for (k, strand) in strands.iter_mut().enumerate() {
             strand.held = moving.binary_search(&k).is_err();
         }
         settle(world, strands, apart, steps);
+        faults.look_again(world, strands, params.apart());
     }
     strands.iter_mut().for_each(|strand| strand.held = false);
-    Ok(false)
+    Ok(faults.none())
+}
+
+/// Takes stuck fibres out and puts them back one after the other, in the order of their numbers or the reverse, whichever is
+/// cheaper in all; with fresh limits.
+fn start_again(world: &World, strands: &mut [Strand], stuck: &[usize], alone: &[Alone], apart: Apart) {
+    const ASIDE_MM: f64 = 6.0;
+    let options = Reroute { apart, least_excess: 0.0, least_rise: 0.0, aside: ASIDE_MM };
+    let put_back = |order: &mut dyn Iterator<Item = usize>| {
+        let mut crowd = Crowd::within(world.room.surface().bounds());
+        let others = strands.iter().enumerate();
+        others.filter(|(k, _)| !stuck.contains(k)).for_each(|(_, strand)| crowd.push(strand.segments(world)));
+        let mut sum = 0.0;
+        let mut put: Vec<(usize, Strand)> = vec![];
+        for k in order {
+            let mut strand = Strand { margin: 0.0, watched: Watched::default(), ..strands[k].clone() };
+            strand.limits.bend_weight = 20.0;
+            strand.limits.wall_weight = 4.0;
+            if let Some((cost, course)) =
+                reroute::new_way((world, &crowd, &strand), &alone[k].course, &options, None)
+            {
+                sum += cost;
+                strand.course = course;
+            }
+            crowd.push(strand.segments(world));
+            put.push((k, strand));
+        }
+        (sum, put)
+    };
+    let (forwards, backwards) =
+        (put_back(&mut stuck.iter().copied()), put_back(&mut stuck.iter().rev().copied()));
+    let cheaper = if backwards.0 < forwards.0 { backwards } else { forwards };
+    cheaper.1.into_iter().for_each(|(k, strand)| strands[k] = strand);
 }
 
 /// Asks more of the fibres that break a limit.
 fn urge(strands: &mut [Strand], faults: &Faults, apart: f64) {
     for (strand, flaws) in strands.iter_mut().zip(&faults.flaws).filter(|(_, flaws)| !flaws.none()) {
-        if flaws.lack > 0.0 {
-            strand.watched.push(flaws.place);
+        strand.watched.add(flaws);
+        if flaws.lack > 0.0 && flaws.lack.is_finite() {
             strand.limits.wall_margin = (strand.limits.wall_margin + 0.5 * flaws.lack.min(0.06)).min(0.15);
             strand.limits.wall_weight = (3.0 * strand.limits.wall_weight).min(40.0);
         }

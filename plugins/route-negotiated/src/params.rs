@@ -165,9 +165,11 @@ impl Params {
     /// How hard single fibres are improved, and of how many starts.
     pub fn alone(&self) -> (usize, AloneOptions) {
         match self.effort {
-            Effort::Quick => (1, AloneOptions { span: 9.0, iterations: 60, rounds: 6 }),
-            Effort::Normal => (2, AloneOptions { span: 7.5, iterations: 100, rounds: 6 }),
-            Effort::Thorough => (usize::MAX, AloneOptions { span: 6.0, iterations: 400, rounds: 8 }),
+            Effort::Quick => (1, AloneOptions { span: 9.0, iterations: 60, rounds: 6, least_gain: 1e-5 }),
+            Effort::Normal => (2, AloneOptions { span: 7.5, iterations: 100, rounds: 6, least_gain: 1e-5 }),
+            Effort::Thorough => {
+                (usize::MAX, AloneOptions { span: 6.0, iterations: 400, rounds: 8, least_gain: 1e-5 })
+            }
         }
     }
 }

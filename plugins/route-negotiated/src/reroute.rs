@@ -1,17 +1,18 @@
 //! Rip-up: a fibre that lost much light to its neighbours looks for another way between them.
 
-use crate::joint::{Apart, Strand, settle_one};
+use crate::crowd::Crowd;
+use crate::joint::{Apart, Strand, settle_among};
 use fibar_geometry::alone::World;
-use fibar_geometry::course::Course;
+use fibar_geometry::course::{Course, costs};
 use fibar_geometry::minimise::MinimiseOptions;
-use fibar_geometry::optics::{Throughput, ThroughputOptions};
 use rayon::prelude::*;
 use std::f64::consts::PI;
 
-/// `∫a ds` of a course, to a thousandth.
+/// `∫a ds` of a course by its nodes.
 pub fn loss_of(world: &World, course: &Course) -> f64 {
-    let options = ThroughputOptions { tolerance: 1e-3 };
-    Throughput::of(&course.curve(), &world.absorption, options).loss
+    let mut nodes = vec![];
+    world.tables.of(course.points.len()).sample(&course.points, &mut nodes);
+    costs::loss(&nodes, &world.absorption)
 }
 
 /// How rip-up is done.
@@ -21,58 +22,116 @@ pub struct Reroute {
     pub apart: Apart,
     /// Only fibres that lose at least this much more than alone are ripped up.
     pub least_excess: f64,
+    /// Only those that lose this much more than when other ways were last looked for.
+    pub least_rise: f64,
     /// How far new ways lead to the side, mm.
     pub aside: f64,
+}
+
+/// What is known of a fibre from before it met the others.
+pub struct Alone {
+    /// Its best course.
+    pub course: Course,
+    /// What that loses.
+    pub loss: f64,
+    /// What the fibre lost when other ways were last looked for; they are not again unless it loses more.
+    pub looked_at: f64,
 }
 
 /// Rips up fibres one after the other, worst first; each takes the cheapest way found between the others. Returns how many changed.
 pub fn pass(
     world: &World,
     strands: &mut [Strand],
-    alone: &[(Course, f64)],
+    alone: &mut [Alone],
     options: &Reroute,
     check: &mut dyn FnMut(f64) -> Result<(), fibar_plugin::StageError>,
 ) -> Result<usize, fibar_plugin::StageError> {
-    let excess: Vec<f64> =
-        strands.par_iter().zip(alone).map(|(s, alone)| loss_of(world, &s.course) - alone.1).collect();
-    let mut order: Vec<usize> = (0..strands.len()).filter(|&k| excess[k] > options.least_excess).collect();
-    order.sort_by(|&a, &b| excess[b].total_cmp(&excess[a]).then(a.cmp(&b)));
+    let losses: Vec<f64> = strands.par_iter().map(|s| loss_of(world, &s.course)).collect();
+    let excess = |k: usize| losses[k] - alone[k].loss;
+    let is_ripped =
+        |&k: &usize| excess(k) > options.least_excess && losses[k] > alone[k].looked_at + options.least_rise;
+    let mut order: Vec<usize> = (0..strands.len()).filter(is_ripped).collect();
+    order.sort_by(|&a, &b| excess(b).total_cmp(&excess(a)).then(a.cmp(&b)));
     let mut changed = 0;
+    let mut crowd = Crowd::within(world.room.surface().bounds());
+    strands.iter().for_each(|strand| crowd.push(strand.segments(world)));
     for (done, &k) in order.iter().enumerate() {
         check(done as f64 / order.len() as f64)?;
-        let (course, is_new) = cheapest_way(world, strands, k, &alone[k].0, options);
+        let (course, is_new) = cheapest_way(world, &crowd, &strands[k], &alone[k].course, options);
         strands[k].course = course;
+        alone[k].looked_at = loss_of(world, &strands[k].course);
+        crowd.replace(k, strands[k].segments(world));
         changed += usize::from(is_new);
     }
     Ok(changed)
 }
 
-/// The cheapest of the present way and those that start from the fibre's own best, straight and to all sides.
+/// The cheaper of the present way and the best new one.
 fn cheapest_way(
     world: &World,
-    strands: &[Strand],
-    number: usize,
+    crowd: &Crowd,
+    strand: &Strand,
     alone: &Course,
     options: &Reroute,
 ) -> (Course, bool) {
     const WORTH_A_CHANGE: f64 = 0.02;
-    let steps = MinimiseOptions { iterations: 40, least_gain: 1e-3, patience: 8, longest_step: 3.0 };
-    let weight = options.apart.weight;
-    let gently = vec![0.05 * weight, weight];
-    let mut starts = vec![
-        (strands[number].course.clone(), vec![weight]),
-        (alone.clone(), gently.clone()),
-        (alone.clone(), vec![weight]),
-    ];
-    starts.extend(sideways(alone, options.aside).into_iter().map(|course| (course, gently.clone())));
-    let tried: Vec<(f64, Course)> = starts
-        .into_par_iter()
-        .map(|(course, weights)| settle_one(world, strands, (number, course), &weights, options.apart, steps))
-        .collect();
-    let present = tried[0].0;
-    let best = tried.into_iter().reduce(|best, next| if next.0 < best.0 { next } else { best });
-    let (cost, course) = best.expect("the present way was tried");
-    (course, cost < present - WORTH_A_CHANGE)
+    let present = settle_way((world, crowd, strand), &strand.course, options.apart, MANY);
+    let best = new_way((world, crowd, strand), alone, options, Some(&present));
+    match best.filter(|best| best.0 < present.0 - WORTH_A_CHANGE) {
+        Some((_, course)) => (course, true),
+        None => (present.1, false),
+    }
+}
+
+/// Steps of the minimiser for a first look, and to the end.
+const FEW: usize = 12;
+const MANY: usize = 40;
+
+/// The cheapest of ways that start from the fibre's own best, straight and to all sides. After a few steps only the two most
+/// hopeful ones that have not fallen back to the present way go on.
+pub fn new_way(
+    scene: (&World, &Crowd, &Strand),
+    alone: &Course,
+    options: &Reroute,
+    present: Option<&(f64, Course)>,
+) -> Option<(f64, Course)> {
+    const MAY_FALL: f64 = 0.5;
+    const GENTLY: f64 = 0.05;
+    let gentle = Apart { weight: GENTLY * options.apart.weight, ..options.apart };
+    let mut starts = vec![(alone.clone(), false), (alone.clone(), true)];
+    starts.extend(sideways(alone, options.aside).into_iter().map(|course| (course, true)));
+    let first_look = |(course, gently): &(Course, bool)| {
+        let eased = gently.then(|| settle_way(scene, course, gentle, FEW).1);
+        settle_way(scene, eased.as_ref().unwrap_or(course), options.apart, FEW)
+    };
+    let mut tried: Vec<(f64, Course)> = starts.par_iter().map(first_look).collect();
+    if let Some((cost, course)) = present {
+        tried.retain(|way| way.0 < cost + MAY_FALL && differ(&way.1, course));
+    }
+    tried.sort_by(|a, b| a.0.total_cmp(&b.0));
+    tried.truncate(2);
+    let improved: Vec<(f64, Course)> =
+        tried.par_iter().map(|(_, course)| settle_way(scene, course, options.apart, MANY)).collect();
+    improved.into_iter().reduce(|best, next| if next.0 < best.0 { next } else { best })
+}
+
+fn settle_way(
+    (world, crowd, strand): (&World, &Crowd, &Strand),
+    course: &Course,
+    apart: Apart,
+    iterations: usize,
+) -> (f64, Course) {
+    let steps = MinimiseOptions { iterations, least_gain: 1e-3, patience: 8, longest_step: 3.0 };
+    let mut strand = Strand { course: course.clone(), held: false, ..strand.clone() };
+    let cost = settle_among(world, crowd, &mut [&mut strand], apart, steps);
+    (cost, strand.course)
+}
+
+/// Whether two courses of one fibre are not about the same.
+fn differ(a: &Course, b: &Course) -> bool {
+    const MM: f64 = 2.0;
+    a.points.len() != b.points.len()
+        || a.points.iter().zip(&b.points).any(|(p, q)| p.distance_squared(*q) > MM * MM)
 }
 
 /// A course that bows out to each of four sides.

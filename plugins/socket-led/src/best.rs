@@ -13,7 +13,7 @@ use fibar_core::artefact::mesh::TriangleMesh;
 use fibar_core::artefact::sockets::{Hole, Sockets};
 use fibar_core::light::LightLaw;
 use fibar_core::material::{LayerRadii, SKIN_THICKNESS_MM};
-use fibar_geometry::alone::{World, hermite, settle};
+use fibar_geometry::alone::{Watched, World, hermite, settle};
 use fibar_geometry::course::costs::Limits;
 use fibar_geometry::course::nodes::Tables;
 use fibar_geometry::course::{Course, Ends, Freedom};
@@ -145,12 +145,13 @@ fn loss(world: &World, ends: Ends) -> f64 {
         bend_weight: 3.0,
         speed_weight: 0.0,
     };
+    let nowhere = Watched { walls: vec![], bends: vec![] };
     let settled = EASES.map(|ease| {
         let line = hermite(ends, ease);
         let length: f64 = line.windows(2).map(|w| w[0].distance(w[1])).sum();
         let count = ((length / SPAN_MM).round() as usize + 3).clamp(6, 20);
         let mut course = Course::along((ends, world.freedom), &line, count);
-        settle(world, &mut course, &limits, &[], 8)
+        settle(world, &mut course, &limits, &nowhere, (8, 1e-5))
     });
     settled.into_iter().fold(f64::INFINITY, f64::min)
 }
