@@ -11,6 +11,9 @@ pub struct Recipe {
 
 const STAGE: &str = "[[stage]]\n";
 
+/// How the stage begins that bounds the light of the markers, not of the candidate places.
+const BEST: &str = "id = \"best\"";
+
 /// Stages that routing does not wait for.
 const NOT_ROUTING: [&str; 5] = ["sweep-", "export-", "render-", "verify-solids", "verify-recognition"];
 
@@ -47,16 +50,41 @@ impl Recipe {
         self
     }
 
-    /// The stages up to the route and what measures it, with bounds if there are none. At quick effort, as in our recipes,
-    /// these are a per cent or two low, and shares of them as much too high.
-    pub fn for_routing(mut self) -> Recipe {
-        self.stages.retain(|stage| !NOT_ROUTING.iter().any(|prefix| plugin(stage).starts_with(prefix)));
-        if !self.stages.iter().any(|stage| plugin(stage) == "bound-light") {
-            let route = self.stages.iter().position(|stage| plugin(stage).starts_with("route-"));
-            let bounds = "use = \"bound-light\"\neffort = \"quick\"\n".to_owned();
-            self.stages.insert(route.unwrap_or(self.stages.len()), bounds);
+    /// The same with another value of a parameter, as TOML, in the stages that use a plugin.
+    pub fn set(mut self, wanted: &str, key: &str, value: &str) -> Recipe {
+        for stage in self.stages.iter_mut().filter(|stage| plugin(stage) == wanted) {
+            let others = stage.lines().filter(|line| !line.starts_with(&format!("{key} = ")));
+            *stage = others.map(|line| format!("{line}\n")).collect();
+            stage.push_str(&format!("{key} = {value}\n"));
         }
         self
+    }
+
+    /// The stages up to the route and what measures it, with bounds of normal effort for the markers.
+    pub fn for_routing(mut self) -> Recipe {
+        self.stages.retain(|stage| !NOT_ROUTING.iter().any(|prefix| plugin(stage).starts_with(prefix)));
+        if !self.stages.iter().any(|stage| is_best(stage)) {
+            let route = self.route();
+            self.stages.insert(route, format!("{BEST}\nuse = \"bound-light\"\n"));
+        }
+        self
+    }
+
+    /// The stages that make what the router gets.
+    pub fn before_route(mut self) -> Recipe {
+        self.stages.truncate(self.route());
+        self.stages.retain(|stage| !is_best(stage));
+        self
+    }
+
+    /// The plugin that routes.
+    pub fn router(&self) -> &str {
+        self.stages.get(self.route()).map_or("", |stage| plugin(stage))
+    }
+
+    fn route(&self) -> usize {
+        let route = self.stages.iter().position(|stage| plugin(stage).starts_with("route-"));
+        route.unwrap_or(self.stages.len())
     }
 
     /// The recipe as a file holds it.
@@ -70,4 +98,8 @@ impl Recipe {
 fn plugin(stage: &str) -> &str {
     let line = stage.lines().find_map(|line| line.strip_prefix("use = \""));
     line.and_then(|rest| rest.split('"').next()).unwrap_or_default()
+}
+
+fn is_best(stage: &str) -> bool {
+    stage.starts_with(BEST)
 }
