@@ -3,10 +3,10 @@
 //! Two triangles cross if a side of one passes strictly through the inside of the other. Triangles that touch, share corners or lie
 //! in one plane do not.
 
+use crate::fans::{ROUNDING, even_fans};
+use crate::overlaps::{LooseBox, overlaps};
 use fibar_core::artefact::mesh::TriangleMesh;
 use glam::DVec3;
-use parry3d_f64::bounding_volume::{Aabb, BoundingVolume};
-use parry3d_f64::partitioning::{Bvh, BvhBuildStrategy};
 use rayon::prelude::*;
 use robust::{Coord3D, orient3d};
 
@@ -19,30 +19,15 @@ pub struct Crossing {
     pub place: DVec3,
 }
 
-/// Triangles that look for others together: neighbours, once they are in the order of the tree.
-const TROOP: usize = 8;
-
 /// All crossings of a mesh whose triangles share corners by index, by the triangles' numbers.
 pub fn crossings(mesh: &TriangleMesh) -> Vec<Crossing> {
-    let boxes: Vec<Aabb> =
-        (0..mesh.triangles.len()).into_par_iter().map(|t| loose_box(&mesh.corners(t))).collect();
-    if boxes.is_empty() {
-        return Vec::new();
-    }
-    let tree = Bvh::from_leaves(BvhBuildStrategy::Binned, &boxes);
-    let order: Vec<u32> = tree.leaves(|_| true).collect();
-    let of_troop = |troop: &[u32]| {
-        let around = troop.iter().map(|&t| boxes[t as usize]).reduce(|a, b| a.merged(&b)).expect("a troop");
-        let near: Vec<u32> = tree.intersect_aabb(&around).collect();
-        let later =
-            |&t: &u32| near.iter().copied().filter(move |&other| other > t).map(move |other| [t, other]);
-        let pairs = troop.iter().flat_map(later);
-        let close = pairs.filter(|[t, other]| boxes[*t as usize].intersects(&boxes[*other as usize]));
-        let in_doubt = |pair: &[u32; 2]| !are_apart(mesh, pair.map(|t| t as usize));
-        close.filter(in_doubt).filter_map(|pair| crossing(mesh, pair)).collect::<Vec<_>>()
-    };
-    let found: Vec<Vec<Crossing>> = order.par_chunks(TROOP).map(of_troop).collect();
-    let mut found: Vec<Crossing> = found.into_iter().flatten().collect();
+    let boxes: Vec<LooseBox> =
+        (0..mesh.triangles.len()).into_par_iter().map(|t| LooseBox::around(mesh.corners(t))).collect();
+    let even = even_fans(mesh);
+    let mut found = overlaps(&boxes, |[one, other]| {
+        let pair = [one.min(other), one.max(other)];
+        if are_apart(mesh, &even, pair.map(|t| t as usize)) { None } else { crossing(mesh, pair) }
+    });
     found.sort_unstable_by_key(|crossing| crossing.triangles);
     found
 }
@@ -51,16 +36,40 @@ fn crossing(mesh: &TriangleMesh, triangles: [u32; 2]) -> Option<Crossing> {
     crossing_point(mesh, triangles.map(|t| t as usize)).map(|place| Crossing { triangles, place })
 }
 
-/// Whether two triangles certainly do not cross: they share a side, or one lies on one side of the other's plane, where corners
-/// that they share lie in it. Strict in spite of rounding.
-fn are_apart(mesh: &TriangleMesh, [one, other]: [usize; 2]) -> bool {
-    let shared = mesh.triangles[one].iter().filter(|v| mesh.triangles[other].contains(v)).count();
-    shared >= 2 || lies_beside(mesh, one, other) || lies_beside(mesh, other, one)
+/// Whether two triangles certainly do not cross: they share a side, or a corner with an even fan, or a plane parts them: an
+/// upright one along a side, or that of either, where corners that they share lie in it. Strict in spite of rounding.
+fn are_apart(mesh: &TriangleMesh, even: &[bool], [one, other]: [usize; 2]) -> bool {
+    let [a, b] = [one, other].map(|t| mesh.triangles[t]);
+    let is_shared = |v: u32| (v == b[0]) | (v == b[1]) | (v == b[2]);
+    let shared = a.map(is_shared);
+    match shared.iter().filter(|&&shared| shared).count() {
+        0 if is_parted_beside(mesh, [one, other]) => return true,
+        0 => {}
+        1 if !(0..3).any(|k| shared[k] && even[a[k] as usize]) => {}
+        _ => return true,
+    }
+    lies_beside(mesh, one, other) || lies_beside(mesh, other, one)
+}
+
+/// Whether a plane that is upright on one of two triangles, along a side of it, parts them.
+fn is_parted_beside(mesh: &TriangleMesh, [one, other]: [usize; 2]) -> bool {
+    let [ours, theirs] = [one, other].map(|t| mesh.corners(t));
+    let [a, b, c] = ours;
+    let normal = (b - a).cross(c - a);
+    [[a, b], [b, c], [c, a]].into_iter().any(|[from, to]| {
+        let inward = normal.cross(to - from);
+        let heights = |corners: [DVec3; 3]| corners.map(|corner| inward.dot(corner - from));
+        let far = |corners: [DVec3; 3]| {
+            corners.iter().fold(DVec3::ZERO, |far, &corner| far.max((corner - from).abs())).max_element()
+        };
+        let doubt = ROUNDING * inward.abs().max_element() * far(ours).max(far(theirs)) + f64::MIN_POSITIVE;
+        let lowest = heights(ours).into_iter().fold(f64::INFINITY, f64::min);
+        let highest = heights(theirs).into_iter().fold(f64::NEG_INFINITY, f64::max);
+        lowest - highest > 2.0 * doubt
+    })
 }
 
 fn lies_beside(mesh: &TriangleMesh, one: usize, plane: usize) -> bool {
-    /// More than the rounding of a product of three differences, relative to what they are at most.
-    const ROUNDING: f64 = 1e-14;
     let [a, b, c] = mesh.corners(plane);
     let (u, v) = (b - a, c - a);
     let normal = u.cross(v);
@@ -69,7 +78,7 @@ fn lies_beside(mesh: &TriangleMesh, one: usize, plane: usize) -> bool {
     let mut sides = free.map(|&w| {
         let way = mesh.vertices[w as usize] - a;
         let height = normal.dot(way);
-        let doubt = ROUNDING * most * way.abs().max_element();
+        let doubt = ROUNDING * most * way.abs().max_element() + f64::MIN_POSITIVE;
         if height > doubt {
             1
         } else if height < -doubt {
@@ -80,15 +89,6 @@ fn lies_beside(mesh: &TriangleMesh, one: usize, plane: usize) -> bool {
     });
     let first = sides.next().unwrap_or(0);
     first != 0 && sides.all(|side| side == first)
-}
-
-/// A triangle's box, wide enough for the tree's single precision.
-fn loose_box(corners: &[DVec3; 3]) -> Aabb {
-    const ROUNDING: f64 = 1e-6;
-    let low = corners[0].min(corners[1]).min(corners[2]);
-    let high = corners[0].max(corners[1]).max(corners[2]);
-    let margin = ROUNDING * low.abs().max(high.abs()).max_element();
-    Aabb::new((low - margin).to_array().into(), (high + margin).to_array().into())
 }
 
 /// Where a side of one passes through the other. A side that starts or ends at a corner of the other only touches it there.

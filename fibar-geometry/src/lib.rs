@@ -19,6 +19,8 @@ pub mod room;
 pub mod crossings;
 pub mod deviation;
 pub mod distance;
+mod fans;
+mod overlaps;
 pub mod rays;
 pub mod sampling;
 pub mod segments;

@@ -86,14 +86,17 @@ impl TriangleMesh {
     pub fn to_ply(&self) -> Vec<u8> {
         let header = header(self.vertices.len(), self.triangles.len());
         let size = header.len() + self.vertices.len() * VERTEX_BYTES + self.triangles.len() * TRIANGLE_BYTES;
-        let mut bytes = Vec::with_capacity(size);
-        bytes.extend_from_slice(header.as_bytes());
-        for coordinate in self.vertices.iter().flat_map(|v| v.to_array()) {
-            bytes.extend_from_slice(&coordinate.to_le_bytes());
+        let mut bytes = vec![0; size];
+        let (head, body) = bytes.split_at_mut(header.len());
+        head.copy_from_slice(header.as_bytes());
+        let (vertices, triangles) = body.split_at_mut(self.vertices.len() * VERTEX_BYTES);
+        for (slot, vertex) in vertices.as_chunks_mut::<VERTEX_BYTES>().0.iter_mut().zip(&self.vertices) {
+            slot.as_chunks_mut().0.copy_from_slice(&vertex.to_array().map(f64::to_le_bytes));
         }
-        for triangle in &self.triangles {
-            bytes.push(3);
-            triangle.iter().for_each(|v| bytes.extend_from_slice(&v.to_le_bytes()));
+        for (slot, triangle) in triangles.as_chunks_mut::<TRIANGLE_BYTES>().0.iter_mut().zip(&self.triangles)
+        {
+            slot[0] = 3;
+            slot[1..].as_chunks_mut().0.copy_from_slice(&triangle.map(u32::to_le_bytes));
         }
         bytes
     }
@@ -149,9 +152,11 @@ fn split_header(bytes: &[u8]) -> Result<(usize, usize, &[u8]), ArtefactError> {
 }
 
 fn read_vertices(bytes: &[u8]) -> Result<Vec<DVec3>, ArtefactError> {
-    let coordinate = |b: &[u8]| f64::from_le_bytes(b.try_into().expect("slices of eight bytes"));
-    let vertex = |b: &[u8]| DVec3::new(coordinate(&b[..8]), coordinate(&b[8..16]), coordinate(&b[16..]));
-    let vertices: Vec<DVec3> = bytes.chunks_exact(VERTEX_BYTES).map(vertex).collect();
+    let vertex = |b: &[u8; VERTEX_BYTES]| {
+        let coordinates = b.as_chunks().0;
+        DVec3::from([0, 1, 2].map(|k| f64::from_le_bytes(coordinates[k])))
+    };
+    let vertices: Vec<DVec3> = bytes.as_chunks().0.iter().map(vertex).collect();
     match vertices.iter().position(|v| !v.is_finite()) {
         Some(k) => Err(promise(format!("vertex {k} is not finite"))),
         None => Ok(vertices),
@@ -159,15 +164,17 @@ fn read_vertices(bytes: &[u8]) -> Result<Vec<DVec3>, ArtefactError> {
 }
 
 fn read_triangles(bytes: &[u8], vertex_count: usize) -> Result<Vec<[u32; 3]>, ArtefactError> {
-    let index = |b: &[u8]| u32::from_le_bytes(b.try_into().expect("slices of four bytes"));
-    let read = |(k, b): (usize, &[u8])| {
-        let triangle = [index(&b[1..5]), index(&b[5..9]), index(&b[9..13])];
-        let sound = b[0] == 3 && triangle.iter().all(|&v| (v as usize) < vertex_count);
-        sound
-            .then_some(triangle)
-            .ok_or_else(|| promise(format!("face {k} is not a triangle of known vertices")))
+    let faces = bytes.as_chunks::<TRIANGLE_BYTES>().0;
+    let triangle = |b: &[u8; TRIANGLE_BYTES]| {
+        let indices = b[1..].as_chunks().0;
+        [0, 1, 2].map(|k| u32::from_le_bytes(indices[k]))
     };
-    bytes.chunks_exact(TRIANGLE_BYTES).enumerate().map(read).collect()
+    let is_known =
+        |b: &[u8; TRIANGLE_BYTES]| b[0] == 3 && triangle(b).iter().all(|&v| (v as usize) < vertex_count);
+    match faces.iter().position(|face| !is_known(face)) {
+        Some(k) => Err(promise(format!("face {k} is not a triangle of known vertices"))),
+        None => Ok(faces.iter().map(triangle).collect()),
+    }
 }
 
 fn promise(message: String) -> ArtefactError {

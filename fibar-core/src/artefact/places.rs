@@ -6,27 +6,52 @@ const EMPTY: u32 = u32::MAX;
 
 /// For each place the first of the list that equals it to the bit; −0 counts as 0.
 pub fn first_at_place(places: &[DVec3]) -> Vec<u32> {
-    let size = (2 * places.len()).next_power_of_two().max(2);
-    let shift = 64 - size.trailing_zeros();
-    let mut slots = vec![EMPTY; size];
-    let key = |place: DVec3| place.to_array().map(|x| (x + 0.0).to_bits());
-    let mut first = Vec::with_capacity(places.len());
-    for (number, &place) in places.iter().enumerate() {
-        let own = key(place);
-        let mut at = (hash(own) >> shift) as usize;
-        let found = loop {
-            match slots[at] {
-                EMPTY => {
-                    slots[at] = number as u32;
-                    break number as u32;
-                }
-                other if key(places[other as usize]) == own => break other,
-                _ => at = (at + 1) & (size - 1),
-            }
-        };
-        first.push(found);
+    // A soup of triangles has six corners at a place: the table grows with the places, not with the list.
+    let mut table = Table::of(places.len() / 2);
+    places.iter().zip(0..).map(|(place, number)| table.first(places, key(*place), number)).collect()
+}
+
+fn key(place: DVec3) -> [u64; 3] {
+    place.to_array().map(|x| (x + 0.0).to_bits())
+}
+
+/// The first of every place so far, at the slot that its hash names or soon after; at most half full.
+struct Table {
+    slots: Vec<u32>,
+    taken: usize,
+}
+
+impl Table {
+    fn of(size: usize) -> Table {
+        Table { slots: vec![EMPTY; size.next_power_of_two().max(2)], taken: 0 }
     }
-    first
+
+    /// The first place that has the key, which is this one if there was none.
+    fn first(&mut self, places: &[DVec3], own: [u64; 3], number: u32) -> u32 {
+        let shift = 64 - self.slots.len().trailing_zeros();
+        let mut at = (hash(own) >> shift) as usize;
+        loop {
+            match self.slots[at] {
+                EMPTY => break,
+                other if key(places[other as usize]) == own => return other,
+                _ => at = (at + 1) & (self.slots.len() - 1),
+            }
+        }
+        self.slots[at] = number;
+        self.taken += 1;
+        if 2 * self.taken > self.slots.len() {
+            self.grow(places);
+        }
+        number
+    }
+
+    fn grow(&mut self, places: &[DVec3]) {
+        let mut larger = Table::of(2 * self.slots.len());
+        for &number in self.slots.iter().filter(|&&number| number != EMPTY) {
+            larger.first(places, key(places[number as usize]), number);
+        }
+        *self = larger;
+    }
 }
 
 /// Mixes all bits upwards, from where the table takes them. Made-up input can only make it slow, and every table has the same order.

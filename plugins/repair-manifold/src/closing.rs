@@ -112,16 +112,20 @@ fn close_holes(mesh: &TriangleMesh, limits: Limits, fate: &mut Fate) -> Result<S
 
 /// The mesh itself, welded, if it needs no repair and is large enough for that to matter: then no solid has to be made of it.
 pub fn close_sound(soup: &TriangleMesh, fate: &mut Fate) -> Option<TriangleMesh> {
-    let welded = weld::weld(soup);
-    let volume = volume::signed_volume(&welded.mesh);
-    if welded.degenerate + welded.duplicate > 0 || volume <= 0.0 || !sound::is_sound(&welded.mesh) {
+    if soup.triangles.len() < sound::WORTHWHILE {
         return None;
     }
-    fate.vertices_welded = soup.vertices.len() - welded.mesh.vertices.len();
+    // What is sound has no triangle that collapses, stands twice or back to back.
+    let welded = weld::with_shared_places(soup);
+    let volume = volume::signed_volume(&welded);
+    if volume <= 0.0 || !sound::is_sound(&welded) {
+        return None;
+    }
+    fate.vertices_welded = soup.vertices.len() - welded.vertices.len();
     fate.shells = 1;
     (fate.bodies, fate.bodies_left) = (1, 1);
     fate.volume_before = volume;
-    Some(welded.mesh)
+    Some(welded)
 }
 
 /// The union of all bodies, each without its cavities. Shells that touch no other and are not tangled are kept as they are.

@@ -7,11 +7,11 @@ use fibar_core::artefact::mesh::TriangleMesh;
 use fibar_geometry::crossings::crossings;
 
 /// Smaller meshes take the long way, which costs them little, and come out in Manifold's order.
-const WORTHWHILE: usize = 200_000;
+pub const WORTHWHILE: usize = 200_000;
 
-/// Whether a welded mesh is sound, and large enough to ask.
+/// Whether a mesh without two vertices at one place is sound.
 pub fn is_sound(mesh: &TriangleMesh) -> bool {
-    mesh.triangles.len() >= WORTHWHILE && is_one_surface(mesh) && crossings(mesh).is_empty()
+    is_one_surface(mesh) && crossings(mesh).is_empty()
 }
 
 /// Whether a mesh is one closed, oriented surface without pinches or folded triangles.
@@ -44,7 +44,13 @@ fn twins(mesh: &TriangleMesh) -> Option<Vec<u32>> {
             .filter(|_| !twice && from != to && found.next().is_none())
             .map(|(_, half_edge)| *half_edge)
     };
-    crate::edges::half_edges(mesh).map(back).collect()
+    let mut twins = Vec::with_capacity(leaving.len());
+    for &[a, b, c] in &mesh.triangles {
+        for side in [[a, b], [b, c], [c, a]] {
+            twins.push(back(side)?);
+        }
+    }
+    Some(twins)
 }
 
 /// Whether two triangles stand back to back.
@@ -87,12 +93,12 @@ mod tests {
     use super::*;
     use crate::fixture::{ball, inverted, moved, octahedron, together};
     use crate::orientation::turn;
-    use crate::weld::weld;
+    use crate::weld::with_shared_places;
 
     #[test]
     fn only_one_closed_surface_is_sound() {
         let check = |mesh: &TriangleMesh, expected: bool| {
-            assert_eq!(is_one_surface(&weld(mesh).mesh), expected, "{mesh:?}");
+            assert_eq!(is_one_surface(&with_shared_places(mesh)), expected, "{mesh:?}");
         };
         check(&ball(10.0, 8), true);
         check(&inverted(octahedron(1.0)), true);
@@ -106,5 +112,12 @@ mod tests {
         check(&broken(&|mesh| mesh.triangles.truncate(7)), false);
         check(&broken(&|mesh| turn(&mut mesh.triangles[3])), false);
         check(&broken(&|mesh| mesh.triangles[3] = mesh.triangles[2]), false);
+        let with = |more: &[[u32; 3]]| broken(&|mesh| mesh.triangles.extend(more));
+        check(&with(&[[0, 1, 1]]), false);
+        check(&with(&[[0, 0, 0]]), false);
+        let [a, b, c] = octahedron(1.0).triangles[0];
+        check(&with(&[[b, c, a]]), false);
+        check(&with(&[[a, c, b]]), false);
+        check(&with(&[[a, b, c], [a, c, b]]), false);
     }
 }
