@@ -13,7 +13,7 @@ use fibar_plugin::StageError;
 use glam::DVec2;
 
 /// A compartment as a recipe asks for it.
-#[derive(Clone, Debug, PartialEq, serde::Deserialize, schemars::JsonSchema)]
+#[derive(Clone, Debug, PartialEq, serde::Deserialize, serde::Serialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CavityParams {
     /// What it is for; errors, verdicts and `sockets.json` call it so.
