@@ -58,7 +58,8 @@ pub fn bulge(mesh: &TriangleMesh, rim: &[u32], stars: &Stars) -> Option<(Vec<DVe
     let plate = Plate::through(&knots(mesh, rim, stars, &plane))?;
     let reach = drawn.iter().map(|at| at.length()).fold(0.0, f64::max);
     let heights: Vec<f64> = points.iter().map(|&at| plate.height(at)).collect();
-    if heights.iter().any(|height| !(height.abs() <= reach)) {
+    // A height that is no number is out of reach, too.
+    if !heights.iter().all(|height| height.abs() <= reach) {
         return None;
     }
     let triangles = fill(&[drawn], &points)?;

@@ -46,7 +46,7 @@ pub fn smooth(mesh: &TriangleMesh, found: &[Crossing]) -> Option<Smoothed> {
         }
     }
     let displacement = displacement(&lost, &surface.mesh);
-    (cut > 0).then(|| Smoothed { mesh: surface.mesh, cut, displacement })
+    (cut > 0).then_some(Smoothed { mesh: surface.mesh, cut, displacement })
 }
 
 /// A box around something.
