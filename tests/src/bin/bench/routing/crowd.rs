@@ -9,7 +9,7 @@ const MARKERS: [u32; 6] = [43, 65, 90, 120, 160, 200];
 /// Markers of the recipe, and between two of them, mm: more stand closer, in proportion to the root of what each has of the surface.
 const OF_RECIPE: (f64, f64) = (65.0, 10.0);
 
-/// Moves of the search for places; the recipe has the stage's default, which would take minutes with 200 markers.
+/// Moves of the search for places, if not the stage's own.
 const PLACE_MOVES: Option<u32> = None;
 
 const COLUMNS: [Column; 9] = [
