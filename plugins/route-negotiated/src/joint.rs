@@ -28,6 +28,8 @@ pub struct Strand {
     pub watched: Watched,
     /// Whether it stays as it is.
     pub held: bool,
+    /// Whether it is to stay so to the end, since it is the course of an earlier routing.
+    pub kept: bool,
 }
 
 /// How far axes of different patterns keep apart, and what it costs if they do not.

@@ -4,6 +4,7 @@
 //! ([`joint`]) until none comes closer than it may ([`gaps`]). docs/route-negotiated.md tells how, and what was measured.
 
 mod crowd;
+mod earlier;
 mod gaps;
 mod inspect;
 mod joint;
@@ -15,6 +16,7 @@ mod nets;
 mod params;
 mod reroute;
 mod trunks;
+mod warm;
 
 use fibar_core::artefact::Document;
 use fibar_core::artefact::constellation::Constellation;
@@ -26,12 +28,12 @@ use fibar_geometry::course::nodes::Tables;
 use fibar_geometry::course::{DEGREE, Freedom};
 use fibar_geometry::distance::Surface;
 use fibar_geometry::optics::Absorption;
-use fibar_geometry::passage::Passages;
 use fibar_geometry::room::{Room, RoomOptions};
 use fibar_plugin::{Description, Job, Stage, StageError, serve};
 use negotiate::Outcome;
 use nets::{Net, Rules};
 use params::Params;
+use std::sync::OnceLock;
 
 struct RouteNegotiated;
 
@@ -52,6 +54,7 @@ impl Stage for RouteNegotiated {
         let sockets = Sockets::from_json(&job.read("sockets")?)?;
         let constellation = Constellation::from_json(&job.read("constellation")?)?;
         params.check()?;
+        let earlier = earlier::read(&params)?;
         job.progress(0.0, "room")?;
         let surface = Surface::new(&body).map_err(|e| StageError::input(format!("body: {e}")))?;
         let options = RoomOptions { spacing: params.grid_mm, band: 6.0 };
@@ -69,10 +72,38 @@ impl Stage for RouteNegotiated {
             },
             min_bend_radius: params.min_bend_radius_mm,
         };
-        let passages = Passages::of(&room, params.search_mm);
-        let outcome = negotiate::route(&world, &passages, &nets, &params, job)?;
+        let outcome = match earlier {
+            None => negotiate::route(&world, &OnceLock::new(), &nets, &params, job)?,
+            Some(earlier) => route_from(&earlier, &world, &nets, &params, job)?,
+        };
         write(&nets, &outcome, &params, job)
     }
+}
+
+/// Routes what the earlier routes do not fit.
+fn route_from(
+    earlier: &Routes,
+    world: &World,
+    nets: &[Net],
+    params: &Params,
+    job: &mut Job,
+) -> Result<Outcome, StageError> {
+    let courses = earlier::courses(earlier, nets, world.freedom, params);
+    let outcome = if courses.iter().all(Option::is_none) {
+        let why = earlier::why_none(earlier, params);
+        job.log("warn", &format!("no fibre of the earlier routes fits, all are routed anew: {why}"));
+        negotiate::route(world, &OnceLock::new(), nets, params, job)?
+    } else {
+        warm::route(world, &OnceLock::new(), nets, courses, params, job)?
+    };
+    let (kept, all) = (outcome.kept, outcome.courses.len());
+    job.log(
+        "info",
+        &format!("{kept} of {all} fibres are those of the earlier routes, {} are routed anew", all - kept),
+    );
+    job.metric("route.kept", kept as f64, "1");
+    job.metric("route.rerouted", (all - kept) as f64, "1");
+    Ok(outcome)
 }
 
 fn write(nets: &[Net], outcome: &Outcome, params: &Params, job: &mut Job) -> Result<(), StageError> {

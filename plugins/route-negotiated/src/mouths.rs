@@ -29,6 +29,48 @@ fn least_distance(places: &[DVec2]) -> f64 {
     pairs.fold(f64::INFINITY, f64::min)
 }
 
+/// Places for `count` mouths beside some that stay: those of all that the others leave, or, if that keeps more distance, one after
+/// the other the place furthest from all before it.
+pub fn beside(stay: &[DVec2], count: usize, radius: f64) -> Vec<DVec2> {
+    let left = without_nearest(places(stay.len() + count, radius), stay);
+    if stay.is_empty() || count == 0 {
+        return left;
+    }
+    let furthest = furthest_from(stay, count, radius);
+    let to_those = |new: &[DVec2]| {
+        stay.iter().flat_map(|s| new.iter().map(|n| s.distance(*n))).fold(f64::INFINITY, f64::min)
+    };
+    let distance = |new: &[DVec2]| to_those(new).min(least_distance(new));
+    if distance(&furthest) > distance(&left) + 1e-9 { furthest } else { left }
+}
+
+/// The places that are left when each of these mouths, in order, has taken the nearest one.
+fn without_nearest(mut places: Vec<DVec2>, mouths: &[DVec2]) -> Vec<DVec2> {
+    for mouth in mouths {
+        let distance = |k: &usize| places[*k].distance_squared(*mouth);
+        if let Some(k) = (0..places.len()).min_by(|a, b| distance(a).total_cmp(&distance(b))) {
+            places.remove(k);
+        }
+    }
+    places
+}
+
+/// Greedily, of places on a grid over the disc.
+fn furthest_from(stay: &[DVec2], count: usize, radius: f64) -> Vec<DVec2> {
+    const HALF: i32 = 24;
+    let grid =
+        (-HALF..=HALF).flat_map(|i| (-HALF..=HALF).map(move |j| DVec2::new(f64::from(i), f64::from(j))));
+    let on_disc: Vec<DVec2> =
+        grid.map(|at| at * radius / f64::from(HALF)).filter(|at| at.length() <= radius).collect();
+    let mut taken = stay.to_vec();
+    for _ in 0..count {
+        let room = |at: &DVec2| taken.iter().fold(f64::INFINITY, |least, t| least.min(t.distance(*at)));
+        let best = on_disc.iter().max_by(|a, b| room(a).total_cmp(&room(b)));
+        taken.extend(best.copied());
+    }
+    taken.split_off(stay.len())
+}
+
 /// Which place each fibre takes: the assignment of least summed squared distance to where each would like to start, by exchanging
 /// two for as long as that helps.
 pub fn assign(wishes: &[DVec2], places: &[DVec2]) -> Vec<usize> {
@@ -71,6 +113,26 @@ mod tests {
             assert!(places.iter().all(|p| p.length() <= 1.625 + 1e-9));
             assert!(least_distance(&places) > 0.5 * 1.625 / (count as f64).sqrt(), "{count}");
         }
+    }
+
+    #[test]
+    fn mouths_that_stay_take_the_nearest_place_each() {
+        let places = || vec![DVec2::X, DVec2::Y, -DVec2::X];
+        assert_eq!(without_nearest(places(), &[]), places());
+        assert_eq!(without_nearest(places(), &[DVec2::Y * 0.9]), [DVec2::X, -DVec2::X]);
+        assert_eq!(without_nearest(places(), &[DVec2::X, DVec2::X]), [-DVec2::X]);
+        assert_eq!(without_nearest(places(), &[DVec2::ZERO; 4]), []);
+    }
+
+    #[test]
+    fn a_new_mouth_has_as_much_room_as_those_that_stay_leave() {
+        let stay = places(7, 2.0);
+        assert_eq!(beside(&stay[1..], 1, 2.0), stay[..1]);
+        assert_eq!(beside(&[], 7, 2.0), stay);
+        assert_eq!(beside(&stay, 0, 2.0), []);
+        let eighth = beside(&stay, 1, 2.0);
+        let all = [stay.as_slice(), &eighth].concat();
+        assert!(eighth[0].length() <= 2.0 && least_distance(&all) > 1.0, "{all:?}");
     }
 
     #[test]

@@ -25,11 +25,14 @@ use fibar_plugin::{Job, StageError};
 use glam::DVec2;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
+use std::sync::OnceLock;
 
 /// What came out.
 pub struct Outcome {
     /// Number of the net and its course, in order.
     pub courses: Vec<(usize, Course)>,
+    /// How many of them are those of an earlier routing.
+    pub kept: usize,
 }
 
 /// Beyond the distance that has to be kept, mm, so that what is soft can be kept hard.
@@ -38,12 +41,25 @@ const APART_MARGIN: f64 = 0.02;
 /// Routes all nets.
 pub fn route(
     world: &World,
-    passages: &Passages,
+    passages: &OnceLock<Passages>,
     nets: &[Net],
     params: &Params,
     job: &mut Job,
 ) -> Result<Outcome, StageError> {
+    let courses = reach(world, passages, nets, params, job)?;
+    fit(world, nets, courses, params, job)
+}
+
+/// The best course alone of every net that can be reached, with its number; others are refused or left out.
+pub fn reach(
+    world: &World,
+    passages: &OnceLock<Passages>,
+    nets: &[Net],
+    params: &Params,
+    job: &mut Job,
+) -> Result<Vec<(usize, Course)>, StageError> {
     job.progress(0.1, "each fibre alone")?;
+    let passages = passages.get_or_init(|| Passages::of(world.room, params.search_mm));
     let alone = each_alone(world, passages, nets, params);
     let courses: Vec<(usize, Course)> =
         alone.into_iter().enumerate().filter_map(|(k, course)| Some((k, course?))).collect();
@@ -58,7 +74,7 @@ pub fn route(
         }
         job.log("warn", &format!("{message}: left out"));
     }
-    fit(world, nets, courses, params, job)
+    Ok(courses)
 }
 
 /// Routes the courses given; where they do not fit, says why or leaves some out.
@@ -97,7 +113,7 @@ fn fit(
         if finish(world, &mut strands, &alone, params, job)? {
             polish(world, &mut strands, params);
             let routed = courses.iter().zip(strands).map(|((net, _), strand)| (*net, strand.course));
-            return Ok(Outcome { courses: routed.collect() });
+            return Ok(Outcome { courses: routed.collect(), kept: 0 });
         }
         let faults = Faults::of(world, &strands, params.apart());
         give_way(Misfit::of_faults(nets, &courses, &faults, params), nets, &mut courses, params, job)?;
@@ -137,7 +153,8 @@ fn each_alone(world: &World, passages: &Passages, nets: &[Net], params: &Params)
         .collect()
 }
 
-fn strand(net: &Net, course: &Course, params: &Params) -> Strand {
+/// A course to be settled.
+pub fn strand(net: &Net, course: &Course, params: &Params) -> Strand {
     let limits = Limits {
         curvature: 1.0 / (1.005 * params.min_bend_radius_mm),
         wall_margin: 0.02,
@@ -152,20 +169,23 @@ fn strand(net: &Net, course: &Course, params: &Params) -> Strand {
         limits,
         watched: Watched::default(),
         held: false,
+        kept: false,
     }
 }
 
-/// Gives each fibre a mouth of its own under its LED.
-fn place_mouths(strands: &mut [Strand], params: &Params) {
+/// Gives each fibre a mouth of its own under its LED; kept ones have theirs.
+pub fn place_mouths(strands: &mut [Strand], params: &Params) {
     for group in strands.chunk_by_mut(|a, b| a.pattern == b.pattern) {
         let (across, up) = group[0].course.ends.axis.any_orthonormal_pair();
         let wish = |strand: &Strand| {
             let mouth = strand.course.points[0] - strand.course.ends.tip;
             DVec2::new(mouth.dot(across), mouth.dot(up))
         };
-        let wishes: Vec<DVec2> = group.iter().map(wish).collect();
-        let places = mouths::places(group.len(), params.mouth_radius_mm);
-        for (strand, place) in group.iter_mut().zip(mouths::assign(&wishes, &places)) {
+        let wishes = |kept: bool| group.iter().filter(|s| s.kept == kept).map(wish).collect::<Vec<DVec2>>();
+        let wishes_of_new = wishes(false);
+        let places = mouths::beside(&wishes(true), wishes_of_new.len(), params.mouth_radius_mm);
+        let taken = mouths::assign(&wishes_of_new, &places);
+        for (strand, place) in group.iter_mut().filter(|strand| !strand.kept).zip(taken) {
             let course = &mut strand.course;
             let mouth = course.ends.tip + places[place].x * across + places[place].y * up;
             let shift = mouth - course.points[0];
@@ -178,7 +198,7 @@ fn place_mouths(strands: &mut [Strand], params: &Params) {
 }
 
 /// Settles all fibres together and rips up those that lose most, closeness costing more each time.
-fn make_room(
+pub fn make_room(
     world: &World,
     strands: &mut [Strand],
     bundled: bool,
@@ -221,19 +241,20 @@ fn make_room(
 }
 
 /// Moves what breaks a limit until nothing does, all else held; whether that came to an end.
-fn finish(
+pub fn finish(
     world: &World,
     strands: &mut [Strand],
     alone: &[Alone],
     params: &Params,
     job: &mut Job,
 ) -> Result<bool, StageError> {
-    const ROUNDS: u32 = 20;
+    // Among fibres that are kept it is soon seen whether there is room; if not, some of them give way.
+    let rounds: u32 = if strands.iter().any(|strand| strand.kept) { 10 } else { 20 };
     let steps = MinimiseOptions { iterations: 100, least_gain: 1e-4, patience: 10, longest_step: 1.0 };
     let apart = Apart { distance: params.apart() + APART_MARGIN, weight: 4.0 };
     let mut faults = Faults::of(world, strands, params.apart());
-    for round in 0..ROUNDS {
-        job.progress(0.8 + 0.15 * f64::from(round) / f64::from(ROUNDS), "limits")?;
+    for round in 0..rounds {
+        job.progress(0.8 + 0.15 * f64::from(round) / f64::from(rounds), "limits")?;
         job.log(
             "debug",
             &format!(
@@ -245,10 +266,13 @@ fn finish(
             ),
         );
         if faults.none() {
-            strands.iter_mut().for_each(|strand| strand.held = false);
+            strands.iter_mut().for_each(|strand| strand.held = strand.kept);
             return Ok(true);
         }
-        let moving = faults.strands();
+        let moving = at_fault(strands, &faults);
+        if moving.is_empty() {
+            return Ok(false);
+        }
         let kinked = |k: &usize| faults.flaws[*k].bend > 0.5;
         let stuck: Vec<usize> =
             moving.iter().copied().filter(|k| round % 5 == 4 || (round > 0 && kinked(k))).collect();
@@ -257,15 +281,20 @@ fn finish(
             faults = Faults::of(world, strands, params.apart());
         }
         urge(strands, &faults, params.apart());
-        let moving = faults.strands();
+        let moving = at_fault(strands, &faults);
         for (k, strand) in strands.iter_mut().enumerate() {
             strand.held = moving.binary_search(&k).is_err();
         }
         settle(world, strands, apart, steps);
         faults.look_again(world, strands, params.apart());
     }
-    strands.iter_mut().for_each(|strand| strand.held = false);
+    strands.iter_mut().for_each(|strand| strand.held = strand.kept);
     Ok(faults.none())
+}
+
+/// The strands that have to move and may, in order.
+fn at_fault(strands: &[Strand], faults: &Faults) -> Vec<usize> {
+    faults.strands().into_iter().filter(|&k| !strands[k].kept).collect()
 }
 
 /// Takes stuck fibres out and puts them back one after the other, in the order of their numbers or the reverse, whichever is
@@ -321,7 +350,7 @@ fn urge(strands: &mut [Strand], faults: &Faults, apart: f64) {
 }
 
 /// Settles all fibres once more from where every limit is kept; what then breaks one is undone.
-fn polish(world: &World, strands: &mut [Strand], params: &Params) {
+pub fn polish(world: &World, strands: &mut [Strand], params: &Params) {
     let before = strands.to_vec();
     let loss = |strands: &[Strand]| strands.iter().fold(0.0, |sum, s| sum + loss_of(world, &s.course));
     let steps = MinimiseOptions { iterations: 100, least_gain: 1e-4, patience: 10, longest_step: 0.5 };

@@ -4,7 +4,7 @@ use fibar_core::light::LightLaw;
 use fibar_core::material::{LayerRadii, SKIN_THICKNESS_MM};
 use fibar_geometry::alone::AloneOptions;
 use fibar_geometry::room::Keeping;
-use fibar_plugin::StageError;
+use fibar_plugin::{InputFile, StageError};
 use schemars::JsonSchema;
 
 /// Parameters of `route-negotiated`; `docs/route-negotiated.md` says why they are as they are.
@@ -15,6 +15,9 @@ pub struct Params {
     pub effort: Effort,
     /// What to do with markers whose fibres do not fit.
     pub on_misfit: OnMisfit,
+    /// `routes.json` of an earlier build (a copy of it): fibres that still lead from their LED to their marker and keep all limits stay as
+    /// they are there, only the others are routed. Where that does not fit, or costs much light, those in the way are, too.
+    pub warm_start: Option<InputFile>,
 
     /// Least distance between the outer surfaces of fibres of different patterns.
     #[schemars(range(min = 0.0, max = 50.0), extend("unit" = "mm"))]
@@ -98,6 +101,7 @@ impl Default for Params {
         Params {
             effort: Effort::Normal,
             on_misfit: OnMisfit::Refuse,
+            warm_start: None,
             clearance_mm: 0.1,
             wall_mm: 0.05,
             min_bend_radius_mm: 12.0,
