@@ -47,7 +47,7 @@ impl Outcome {
         };
         let there = farthest(&mesh, reference.unwrap_or(&patient.mesh));
         let back = reference.map_or(0.0, |sound| farthest(sound, &mesh));
-        Outcome { seconds: said.seconds, wrong, volume_off, displacement: Some(there.max(back)), ..blank }
+        Outcome { seconds: said.seconds, wrong, volume_off, displacement: Some(there.max(back)) }
     }
 
     /// Right ones first, then fast ones.

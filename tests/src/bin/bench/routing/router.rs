@@ -32,10 +32,8 @@ fn refusal(output: &Output) -> Option<String> {
         return None;
     }
     let text = String::from_utf8_lossy(&output.stdout);
-    let messages = text.lines().filter_map(|line| serde_json::from_str::<Value>(line).ok());
-    let message = messages
-        .filter(|m| m["type"] == "error")
-        .last()
-        .and_then(|m| Some(m["message"].as_str()?.to_owned()));
+    let mut messages = text.lines().filter_map(|line| serde_json::from_str::<Value>(line).ok());
+    let message =
+        messages.rfind(|m| m["type"] == "error").and_then(|m| Some(m["message"].as_str()?.to_owned()));
     Some(message.unwrap_or_else(|| "it ended without a word".into()))
 }
