@@ -20,7 +20,7 @@ pub mod crossings;
 pub mod deviation;
 pub mod distance;
 mod fans;
-mod overlaps;
+pub mod overlaps;
 pub mod rays;
 pub mod sampling;
 pub mod segments;

@@ -1,14 +1,17 @@
 //! The part of a body that is deeper than a given distance: what is inside a skin.
 //!
-//! Outline: every triangle gets the convex hull of itself and of what lies within the distance behind it; the body less
-//! the union of those hulls is the inset. Behind a corner that is convex or nearly flat, that is one point along the
+//! Outline: wherever the surface is smooth and nothing is in the way, the layer under it is one solid, with an inner triangle for each
+//! outer one (`layer.rs`). Every triangle elsewhere gets the convex hull of itself and of what lies within the distance behind it. The
+//! body less all of these is the inset. Behind a corner that is convex or nearly flat, a hull has one point along the
 //! normal of each triangle around it; behind any other, a polyhedral ball. Both hold the true ball sector, so that the skin is
 //! nowhere thinner than asked; it is nowhere thicker than 1.071 times as much plus the simplification. Parts of the
 //! body thinner than two skins have no inside: there the inset is simply empty.
 //!
 //! Why not a level set or moved vertices: `docs/decisions/skin-by-hulls.md`.
 
-use crate::ball::ball_corners;
+use crate::behind::solids_behind;
+use crate::layer::Layer;
+use crate::nearness::nearer;
 use crate::{Solid, SolidError};
 use fibar_core::artefact::mesh::TriangleMesh;
 use glam::DVec3;
@@ -23,12 +26,8 @@ pub struct InsetOptions {
     pub simplify: f64,
 }
 
-/// Corner normals further than this from their mean need a ball: 1/cos 20° is just less than a ball's 1.071.
-const SHARP_COSINE: f64 = 0.939_692_620_785_908_4;
-/// Sine of the angle by which rounding may lift a neighbour above a face.
-const FLAT: f64 = 1e-12;
-/// 42 corners, which stand off the true ball by 7 %.
-const BALL_FREQUENCY: usize = 2;
+/// What rounding may take from the skin, relative to it.
+const ROUNDING: f64 = 1e-10;
 /// Hulls united at a time; neighbours by Morton order, so that they meet early.
 const CHUNK: usize = 32;
 
@@ -39,11 +38,25 @@ pub fn inset(body: &Solid, options: InsetOptions) -> Result<Solid, SolidError> {
         return Err(SolidError::Argument(format!("a skin of {thickness} mm is none")));
     }
     let mesh = body.to_mesh()?;
-    let corners = Corners::new(&mesh, thickness + simplify)?;
-    let order = morton_order(&mesh);
-    let hulls: Result<Vec<Solid>, SolidError> =
-        order.par_iter().map(|&triangle| corners.hull_behind(&mesh, triangle)).collect();
-    body.subtract([&unite(hulls?)?])?.simplify(simplify)
+    let depth = thickness + simplify;
+    let layer = Layer::under(&mesh, depth);
+    let order = morton_order(&mesh, layer.rest);
+    let cells = Solid::from_mesh(&layer.cells)?;
+    let others = unite(solids_behind(&mesh, &order, depth)?)?;
+    simplified(body.subtract([&cells, &others])?, &mesh, options)
+}
+
+/// With less detail, and nowhere nearer to the surface than the skin is thick: Manifold's simplification may go further than it is told.
+fn simplified(inside: Solid, body: &TriangleMesh, options: InsetOptions) -> Result<Solid, SolidError> {
+    for share in [1.0, 0.5, 0.25] {
+        let simpler = inside.simplify(options.simplify * share)?;
+        let mesh = simpler.to_mesh()?;
+        let triangles: Vec<[DVec3; 3]> = (0..mesh.triangles.len()).map(|t| mesh.corners(t)).collect();
+        if nearer(body, &triangles, options.thickness * (1.0 - ROUNDING), |_, _| true).is_empty() {
+            return Ok(simpler);
+        }
+    }
+    Ok(inside)
 }
 
 /// Union in a fixed tree: chunks first, then pairs.
@@ -55,68 +68,8 @@ fn unite(solids: Vec<Solid>) -> Result<Solid, SolidError> {
     Ok(level.pop().unwrap_or_else(Solid::empty))
 }
 
-/// What lies behind each vertex, as offsets from it.
-struct Corners {
-    offsets: Vec<Vec<DVec3>>,
-}
-
-impl Corners {
-    fn new(mesh: &TriangleMesh, depth: f64) -> Result<Corners, SolidError> {
-        let ball: Vec<DVec3> = ball_corners(BALL_FREQUENCY)?.into_iter().map(|v| v * depth).collect();
-        let mut around: Vec<Vec<usize>> = vec![Vec::new(); mesh.vertices.len()];
-        for (t, triangle) in mesh.triangles.iter().enumerate() {
-            triangle.iter().for_each(|&v| around[v as usize].push(t));
-        }
-        let offsets = around.iter().zip(&mesh.vertices).map(|(triangles, vertex)| {
-            let normals: Vec<DVec3> = triangles.iter().map(|&t| unit_normal(mesh.corners(t))).collect();
-            let ring = triangles.iter().flat_map(|&t| mesh.corners(t)).map(|corner| corner - *vertex);
-            offsets_behind(&normals, ring, depth, &ball)
-        });
-        Ok(Corners { offsets: offsets.collect() })
-    }
-
-    fn hull_behind(&self, mesh: &TriangleMesh, triangle: usize) -> Result<Solid, SolidError> {
-        let mut points = Vec::new();
-        for v in mesh.triangles[triangle] {
-            let place = mesh.vertices[v as usize];
-            points.push(place);
-            points.extend(self.offsets[v as usize].iter().map(|offset| place + *offset));
-        }
-        Solid::hull(&points)
-    }
-}
-
-/// Offsets whose hull with the origin holds the sector of the ball of radius `depth` behind a corner with these normals,
-/// `ring` being the corners around it as seen from it.
-///
-/// Normals within the angle ψ of their mean span a spherical polygon; its flat hull is at least `r·cos ψ` away, so that
-/// points at `r = depth / cos ψ` reach far enough. A convex corner has nothing behind it that is not behind its
-/// triangles, so that it needs neither more depth nor a ball.
-fn offsets_behind(
-    normals: &[DVec3],
-    mut ring: impl Iterator<Item = DVec3>,
-    depth: f64,
-    ball: &[DVec3],
-) -> Vec<DVec3> {
-    let along = |reach: f64| normals.iter().map(|normal| -*normal * reach).collect();
-    let is_sound = normals.iter().all(|normal| *normal != DVec3::ZERO);
-    if is_sound
-        && ring.all(|corner| normals.iter().all(|normal| normal.dot(corner) <= FLAT * corner.length()))
-    {
-        return along(depth);
-    }
-    let mean = normals.iter().sum::<DVec3>().normalize_or_zero();
-    let cosine = normals.iter().map(|normal| normal.dot(mean)).fold(1.0, f64::min);
-    if is_sound && cosine >= SHARP_COSINE { along(depth / cosine) } else { ball.to_vec() }
-}
-
-/// Zero for a triangle without area.
-fn unit_normal([a, b, c]: [DVec3; 3]) -> DVec3 {
-    (b - a).cross(c - a).normalize_or_zero()
-}
-
-/// Triangles in the order of their centres along a Morton curve of 2¹⁰ cells a side.
-fn morton_order(mesh: &TriangleMesh) -> Vec<usize> {
+/// Some triangles in the order of their centres along a Morton curve of 2¹⁰ cells a side.
+fn morton_order(mesh: &TriangleMesh, mut order: Vec<usize>) -> Vec<usize> {
     let (low, high) = mesh.bounds().unwrap_or_default();
     let cell = (high - low).max(DVec3::splat(f64::MIN_POSITIVE)) / 1023.0;
     let key = |t: usize| {
@@ -124,7 +77,6 @@ fn morton_order(mesh: &TriangleMesh) -> Vec<usize> {
         let q = ((centre - low) / cell).as_uvec3();
         spread(q.x) | spread(q.y) << 1 | spread(q.z) << 2
     };
-    let mut order: Vec<usize> = (0..mesh.triangles.len()).collect();
     order.sort_by_cached_key(|&t| (key(t), t));
     order
 }
@@ -137,6 +89,7 @@ fn spread(x: u32) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::ball::ball_corners;
     use fibar_geometry::distance::Surface;
 
     fn block(low: [f64; 3], high: [f64; 3]) -> Solid {
@@ -172,7 +125,17 @@ mod tests {
         let (cube, corner) = (block([0.0; 3], [10.0; 3]), block([5.0; 3], [11.0; 3]));
         let round = ball(10.0, 6);
         let pit = ball(6.0, 5).translate(DVec3::new(0.0, 0.0, 9.0)).unwrap();
-        let bodies = [round.clone(), round.subtract([&pit]).unwrap(), cube.subtract([&corner]).unwrap()];
+        let horn = Solid::hull(&[DVec3::X * 30.0, DVec3::Y, DVec3::NEG_Y, DVec3::Z, DVec3::NEG_Z]).unwrap();
+        let hollow = ball(10.0, 14).subtract([&ball(9.0, 12)]).unwrap();
+        let thin = ball(10.0, 14).subtract([&ball(9.0, 12).translate(DVec3::Y * 0.6).unwrap()]).unwrap();
+        let bodies = [
+            round.subtract([&pit]).unwrap(),
+            round.clone(),
+            cube.subtract([&corner]).unwrap(),
+            Solid::union([&round, &horn]).unwrap(),
+            hollow,
+            thin,
+        ];
         for body in &bodies {
             for simplify in [0.0, 0.005] {
                 let inside = inset(body, InsetOptions { thickness: 0.4, simplify }).unwrap();

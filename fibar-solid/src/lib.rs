@@ -7,8 +7,13 @@
 
 mod solid;
 
+mod behind;
 mod inset;
+mod layer;
+mod miter;
+mod nearness;
 mod tube;
+mod twins;
 
 mod elbow;
 mod polyline;
