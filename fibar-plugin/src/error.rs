@@ -44,6 +44,15 @@ impl StageError {
         self
     }
 
+    /// The same, with something else to try before what it says already.
+    pub fn hint_first(self, hint: &str) -> StageError {
+        let hint = match &self.failure.hint {
+            Some(already) => format!("{hint}; else {already}"),
+            None => hint.to_owned(),
+        };
+        self.hint(hint)
+    }
+
     /// The same, blaming a parameter by JSON pointer, e.g. `/spacing_mm` or `/fit_mm/0`.
     pub fn param(mut self, pointer: impl Into<String>) -> StageError {
         self.failure.param = Some(pointer.into());

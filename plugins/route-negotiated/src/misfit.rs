@@ -1,126 +1,237 @@
-//! Why fibres do not fit, and what would: the diagnosis.
+//! Why fibres do not fit: the diagnosis.
 
+use crate::gaps::Contact;
 use crate::inspect::Faults;
-use crate::neck::{Neck, Sizes};
+use crate::neck::{Neck, Sizes, Way};
 use crate::nets::Net;
 use crate::params::Params;
+use crate::remedy::Remedies;
+use crate::{neck, trunks};
 use fibar_core::MarkerId;
 use fibar_geometry::alone::World;
 use fibar_geometry::course::Course;
 use fibar_plugin::StageError;
 use glam::DVec3;
-use std::collections::BTreeMap;
+use std::collections::BTreeSet;
 
 /// What did not fit.
-pub struct Misfit {
-    /// The fullest cross-section, if it is too full.
-    neck: Option<Neck>,
-    /// Pairs that stayed too close, and where the closest are.
-    contacts: usize,
-    place: Option<DVec3>,
+pub enum Misfit {
+    /// Something that is wrong before any routing: a place where no fibre can start or end, or that none reaches.
+    Place(StageError),
+    /// A cross-section with room for fewer patterns than want to pass.
+    Neck(Box<Neck>),
+    /// What routing could not mend.
+    Crowd(Crowding),
+}
+
+/// Why there is no routing.
+pub enum Unfit {
+    /// The fibres do not fit.
+    Misfit(Box<Misfit>),
+    /// The work ended for another reason.
+    Ended(StageError),
+}
+
+impl From<StageError> for Unfit {
+    fn from(error: StageError) -> Unfit {
+        Unfit::Ended(error)
+    }
+}
+
+impl From<Misfit> for Unfit {
+    fn from(misfit: Misfit) -> Unfit {
+        Unfit::Misfit(Box::new(misfit))
+    }
+}
+
+/// Fibres that stay too close, or break limits of their own.
+pub struct Crowding {
+    /// Pairs that stay too close.
+    pairs: usize,
+    /// Where they do, fullest first.
+    jams: Vec<Jam>,
     /// Markers whose fibres break a limit of their own.
     strained: Vec<MarkerId>,
-    sizes: Sizes,
-    /// Without these markers the others should fit.
-    pub leave_out: Vec<MarkerId>,
+    /// Distance that axes have to keep, and least found, mm.
+    apart: f64,
+}
+
+/// Pairs that stay too close about one place.
+struct Jam {
+    place: DVec3,
+    pairs: usize,
+    least: f64,
+    markers: BTreeSet<MarkerId>,
+    /// The cross-section there.
+    section: Option<Neck>,
+}
+
+/// Contacts within this belong to one jam, mm.
+const JAM_MM: f64 = 15.0;
+
+impl Crowding {
+    /// What is wrong with these courses, each with the number of its net.
+    pub fn of(
+        world: &World,
+        nets: &[Net],
+        courses: &[(usize, Course)],
+        faults: &Faults,
+        params: &Params,
+    ) -> Crowding {
+        let marker = |strand: usize| nets[courses[strand].0].marker;
+        let strained = (0..courses.len()).filter(|&k| !faults.flaws[k].none()).map(marker).collect();
+        let ways: Vec<Way> =
+            courses.iter().map(|(net, course)| trunks::way(world, &nets[*net], course)).collect();
+        let sizes = Sizes { radius: params.black_radius_mm, clearance: params.clearance_mm };
+        let mut jams: Vec<Jam> = jams(&faults.contacts)
+            .into_iter()
+            .map(|contacts| {
+                let first = contacts[0];
+                let section = ways[first.strands[0]].plane_near(first.place);
+                Jam {
+                    place: first.place,
+                    pairs: contacts.len(),
+                    least: first.distance,
+                    markers: contacts.iter().flat_map(|c| c.strands).map(marker).collect(),
+                    section: section
+                        .map(|plane| neck::at(world.room, plane, &ways, sizes))
+                        .filter(|neck| neck.through.len() > 1),
+                }
+            })
+            .collect();
+        jams.sort_by_key(|jam| std::cmp::Reverse(jam.pairs));
+        Crowding { pairs: faults.contacts.len(), jams, strained, apart: params.apart() }
+    }
+}
+
+/// Contacts by place, closest first within each.
+fn jams(contacts: &[Contact]) -> Vec<Vec<Contact>> {
+    let mut sorted = contacts.to_vec();
+    sorted.sort_by(|a, b| a.distance.total_cmp(&b.distance).then(a.strands.cmp(&b.strands)));
+    let mut jams: Vec<Vec<Contact>> = vec![];
+    for contact in sorted {
+        match jams.iter_mut().find(|jam| jam[0].place.distance(contact.place) <= JAM_MM) {
+            Some(jam) => jam.push(contact),
+            None => jams.push(vec![contact]),
+        }
+    }
+    jams
 }
 
 impl Misfit {
-    /// A neck with room for fewer patterns than want to pass.
-    pub fn of_neck(neck: Neck, sizes: Sizes) -> Misfit {
-        let leave_out = beyond_capacity(&neck);
-        Misfit { neck: Some(neck), contacts: 0, place: None, strained: vec![], sizes, leave_out }
+    /// As an error; the hint says what was tried and fits, or what could be tried.
+    pub fn error(&self, remedies: &Remedies, params: &Params) -> StageError {
+        let message = self.message(params);
+        let error = match self {
+            Misfit::Place(error) => return remedies.add_to(error.clone()),
+            Misfit::Neck(neck) => StageError::input(message).place_mm(neck.place.to_array()),
+            Misfit::Crowd(crowding) => match crowding.jams.first() {
+                Some(jam) => StageError::input(message).place_mm(jam.place.to_array()),
+                None => StageError::input(message),
+            },
+        };
+        remedies.add_to(error.hint(
+            "fewer markers, further apart, given to LEDs that are nearer (bound-light before assign-covering), \
+             effort = \"thorough\", or less clearance_mm or wall_mm",
+        ))
     }
 
-    /// What routing could not mend.
-    pub fn of_faults(nets: &[Net], courses: &[(usize, Course)], faults: &Faults, params: &Params) -> Misfit {
-        let marker = |strand: usize| nets[courses[strand].0].marker;
-        let strained = (0..courses.len()).filter(|&k| !faults.flaws[k].none()).map(marker).collect();
-        let closest = faults.contacts.iter().min_by(|a, b| a.distance.total_cmp(&b.distance));
-        Misfit {
-            neck: None,
-            contacts: faults.contacts.len(),
-            place: closest.map(|c| c.place),
-            strained,
-            sizes: Sizes { radius: params.black_radius_mm, clearance: params.clearance_mm },
-            leave_out: vec![marker(most_at_fault(faults))],
-        }
-    }
-
-    /// As an error with what to try.
-    pub fn error(&self) -> StageError {
-        let names = list(&self.leave_out);
-        match &self.neck {
-            Some(neck) => {
-                let diameter = 2.0 * self.sizes.radius;
-                let thinner = if neck.largest_diameter > 0.0 {
-                    format!("fibres of {:.2} mm would all pass", neck.largest_diameter)
-                } else {
-                    "no fibre is thin enough for all to pass".into()
-                };
-                StageError::input(format!("the fibres do not fit: {}", describe(neck, diameter)))
-                    .hint(format!("{thinner}; of {diameter:.2} mm all pass without markers {names} (on_misfit = \"drop\")"))
-                    .place_mm(neck.place.to_array())
-            }
-            None => {
-                let strained = match self.strained.as_slice() {
-                    [] => String::new(),
-                    some => format!(
-                        "; those of markers {} bend too tightly or come too close to the skin",
-                        list(some)
-                    ),
-                };
-                let error = StageError::input(format!(
-                    "the fibres do not fit: {} pairs of different patterns stay too close{strained}",
-                    self.contacts
-                ))
-                .hint(format!("leave out marker {names} (on_misfit = \"drop\"), try effort = \"thorough\", or lower clearance_mm or wall_mm"));
-                match self.place {
-                    Some(place) => error.place_mm(place.to_array()),
-                    None => error,
-                }
+    /// What does not fit, and where.
+    pub fn message(&self, params: &Params) -> String {
+        let diameter = params.diameter();
+        match self {
+            Misfit::Place(error) => error.to_string(),
+            Misfit::Neck(neck) => format!(
+                "the fibres do not fit: through the neck at {}, {}; of Ø {diameter:.2} mm, one for each pattern, {} have room",
+                at(neck.place),
+                section(neck),
+                neck.capacity
+            ),
+            Misfit::Crowd(crowding) => {
+                format!("the fibres of Ø {diameter:.2} mm do not fit: {}", crowding.text())
             }
         }
     }
 
-    /// What is left out, for the log.
-    pub fn dropping(&self) -> String {
-        let names = list(&self.leave_out);
-        match &self.neck {
-            Some(neck) => {
-                format!("markers {names} are left out: {}", describe(neck, 2.0 * self.sizes.radius))
-            }
-            None => format!("markers {names} are left out: their fibres find no way between the others"),
+    /// Beyond this outer diameter nothing fits, as far as is known, mm.
+    pub fn bound_mm(&self, params: &Params) -> f64 {
+        match self {
+            Misfit::Neck(neck) => neck.largest_diameter.min(params.diameter()),
+            _ => params.diameter(),
         }
+    }
+}
+
+impl Crowding {
+    fn text(&self) -> String {
+        const SHOWN: usize = 3;
+        let mut parts: Vec<String> = vec![];
+        if self.pairs > 0 {
+            let jam = |jam: &Jam| {
+                let passing =
+                    jam.section.as_ref().map_or(String::new(), |neck| format!("; there {}", section(neck)));
+                format!(
+                    "around {} {} of them, of markers {} (closest {:.3} mm between axes instead of {:.2}){passing}",
+                    at(jam.place),
+                    jam.pairs,
+                    list(&jam.markers),
+                    jam.least,
+                    self.apart
+                )
+            };
+            let jams: Vec<String> = self.jams.iter().take(SHOWN).map(jam).collect();
+            let more = match self.jams.len().saturating_sub(SHOWN) {
+                0 => String::new(),
+                more => format!(", and at {more} more places"),
+            };
+            let pairs = match self.pairs {
+                1 => "1 pair of different patterns stays".into(),
+                many => format!("{many} pairs of different patterns stay"),
+            };
+            parts.push(format!("{pairs} too close: {}{more}", jams.join("; ")));
+        }
+        if !self.strained.is_empty() {
+            parts.push(format!(
+                "those of {} bend too tightly or come too close to the skin",
+                named(&self.strained)
+            ));
+        }
+        parts.join("; ")
     }
 }
 
 /// An error for markers that not even a fibre alone reaches.
-pub fn unreachable(world: &World, message: &str) -> StageError {
-    StageError::input(format!(
-        "{message}, with bends of {} mm or more and {} mm to the skin",
+pub fn unreachable(world: &World, missing: &[&Net]) -> StageError {
+    let pairs: Vec<String> =
+        missing.iter().map(|net| format!("marker {} from LED {}", net.marker, net.led)).collect();
+    let error = StageError::input(format!(
+        "no fibre reaches {}, with bends of {} mm or more and {} mm to the skin",
+        pairs.join(", "),
         world.min_bend_radius,
         world.room.keeping().wall
     ))
-    .hint("place them elsewhere or give them to another LED (bounds.json of bound-light says which); leave them out with on_misfit = \"drop\", or lower min_bend_radius_mm")
+    .hint("place them elsewhere or give them to another LED (bounds.json of bound-light says which); leave them out with on_misfit = \"drop\", or lower min_bend_radius_mm");
+    match missing.first() {
+        Some(net) => error.place_mm(net.ends.marker.to_array()),
+        None => error,
+    }
 }
 
-fn describe(neck: &Neck, diameter: f64) -> String {
+fn section(neck: &Neck) -> String {
     let fibres: usize = neck.through.values().map(Vec::len).sum();
     format!(
-        "through the neck at ({:.1}, {:.1}, {:.1}) mm, {:.0} mm² of free cross-section, {fibres} fibres of {} patterns want to pass; \
-         of Ø {diameter:.2} mm, one for each pattern, {} have room",
-        neck.place.x,
-        neck.place.y,
-        neck.place.z,
+        "{:.0} mm² of free cross-section, {fibres} fibres of {} patterns want to pass",
         neck.area,
-        neck.through.len(),
-        neck.capacity
+        neck.through.len()
     )
 }
 
+fn at(place: DVec3) -> String {
+    format!("({:.1}, {:.1}, {:.1}) mm", place.x, place.y, place.z)
+}
+
 /// The markers of the patterns that have no room; those with most markers beyond the neck pass.
-fn beyond_capacity(neck: &Neck) -> Vec<MarkerId> {
+pub fn beyond_capacity(neck: &Neck) -> Vec<MarkerId> {
     let mut patterns: Vec<&Vec<MarkerId>> = neck.through.values().collect();
     patterns.sort_by_key(|markers| std::cmp::Reverse(markers.len()));
     let mut markers: Vec<MarkerId> = patterns.into_iter().skip(neck.capacity).flatten().copied().collect();
@@ -128,16 +239,14 @@ fn beyond_capacity(neck: &Neck) -> Vec<MarkerId> {
     markers
 }
 
-/// The strand with most contacts; without any, the first that breaks a limit of its own.
-fn most_at_fault(faults: &Faults) -> usize {
-    let mut counts: BTreeMap<usize, usize> = BTreeMap::new();
-    for strand in faults.contacts.iter().flat_map(|c| c.strands) {
-        *counts.entry(strand).or_default() += 1;
+/// One marker or several, for a message.
+pub fn named(markers: &[MarkerId]) -> String {
+    match markers {
+        [one] => format!("marker {one}"),
+        many => format!("the {} markers {}", many.len(), list(many)),
     }
-    let most = counts.iter().max_by_key(|(strand, count)| (**count, std::cmp::Reverse(**strand)));
-    most.map(|(strand, _)| *strand).or_else(|| faults.strands().first().copied()).unwrap_or(0)
 }
 
-fn list(markers: &[MarkerId]) -> String {
-    markers.iter().map(MarkerId::to_string).collect::<Vec<_>>().join(", ")
+fn list<'a>(markers: impl IntoIterator<Item = &'a MarkerId>) -> String {
+    markers.into_iter().map(MarkerId::to_string).collect::<Vec<_>>().join(", ")
 }

@@ -20,6 +20,16 @@ pub struct Way {
     pub places: Vec<DVec3>,
 }
 
+impl Way {
+    /// The plane square to it where it comes nearest to a place, as a place and a normal.
+    pub fn plane_near(&self, place: DVec3) -> Option<(DVec3, DVec3)> {
+        let far = |w: &&[DVec3]| w[0].midpoint(w[1]).distance_squared(place);
+        let legs = self.places.windows(2);
+        let nearest = legs.min_by(|a, b| far(a).total_cmp(&far(b)))?;
+        Some((nearest[0].midpoint(nearest[1]), (nearest[1] - nearest[0]).try_normalize()?))
+    }
+}
+
 /// A narrow place.
 #[derive(Clone, Debug)]
 pub struct Neck {
@@ -83,6 +93,11 @@ pub fn fullest(room: &Room, ways: &[Way], sizes: Sizes) -> Option<Neck> {
     let all: Vec<f64> = planes.par_iter().map(fullness).collect();
     let most = (0..planes.len()).max_by(|&a, &b| all[a].total_cmp(&all[b]).then(b.cmp(&a)))?;
     (all[most] > 0.0).then(|| measure(room, planes[most], ways, sizes))
+}
+
+/// The cross-section in a plane: what axes can reach of it from its place, and what passes there.
+pub fn at(room: &Room, plane: (DVec3, DVec3), ways: &[Way], sizes: Sizes) -> Neck {
+    measure(room, plane, ways, sizes)
 }
 
 fn measure(room: &Room, plane: (DVec3, DVec3), ways: &[Way], sizes: Sizes) -> Neck {

@@ -9,10 +9,11 @@
 use crate::crowd::Crowd;
 use crate::inspect::Faults;
 use crate::joint::{Apart, Strand, settle};
-use crate::misfit::{self, Misfit};
+use crate::misfit::{self, Misfit, Unfit};
 use crate::mouths;
 use crate::neck::{self, Sizes, Way};
 use crate::nets::Net;
+use crate::omit::Routing;
 use crate::params::{Effort, OnMisfit, Params};
 use crate::reroute::{self, Alone, Reroute, loss_of};
 use crate::trunks;
@@ -45,7 +46,7 @@ pub fn route(
     nets: &[Net],
     params: &Params,
     job: &mut Job,
-) -> Result<Outcome, StageError> {
+) -> Result<Outcome, Unfit> {
     let courses = reach(world, passages, nets, params, job)?;
     fit(world, nets, courses, params, job)
 }
@@ -57,24 +58,20 @@ pub fn reach(
     nets: &[Net],
     params: &Params,
     job: &mut Job,
-) -> Result<Vec<(usize, Course)>, StageError> {
+) -> Result<Vec<(usize, Course)>, Unfit> {
     job.progress(0.1, "each fibre alone")?;
     let passages = passages.get_or_init(|| Passages::of(world.room, params.search_mm));
     let alone = each_alone(world, passages, nets, params);
-    let courses: Vec<(usize, Course)> =
-        alone.into_iter().enumerate().filter_map(|(k, course)| Some((k, course?))).collect();
-    if courses.len() < nets.len() {
-        let missing: Vec<String> = (0..nets.len())
-            .filter(|k| courses.iter().all(|(net, _)| net != k))
-            .map(|k| format!("marker {} from LED {}", nets[k].marker, nets[k].led))
-            .collect();
-        let message = format!("no fibre reaches {}", missing.join(", "));
-        if params.on_misfit == OnMisfit::Refuse {
-            return Err(misfit::unreachable(world, &message));
+    let missing: Vec<&Net> =
+        nets.iter().zip(&alone).filter_map(|(net, course)| course.is_none().then_some(net)).collect();
+    if !missing.is_empty() {
+        let unreachable = misfit::unreachable(world, &missing);
+        if params.on_misfit != OnMisfit::Drop || missing.len() == nets.len() {
+            return Err(Misfit::Place(unreachable).into());
         }
-        job.log("warn", &format!("{message}: left out"));
+        job.log("warn", &format!("{unreachable}: left out"));
     }
-    Ok(courses)
+    Ok(alone.into_iter().enumerate().filter_map(|(k, course)| Some((k, course?))).collect())
 }
 
 /// Routes the courses given; where they do not fit, says why or leaves some out.
@@ -84,57 +81,45 @@ fn fit(
     mut courses: Vec<(usize, Course)>,
     params: &Params,
     job: &mut Job,
-) -> Result<Outcome, StageError> {
-    loop {
+) -> Result<Outcome, Unfit> {
+    let sizes = Sizes { radius: params.black_radius_mm, clearance: params.clearance_mm };
+    let neck = loop {
         job.progress(0.25, "necks")?;
         let ways: Vec<Way> =
             courses.iter().map(|(net, course)| trunks::way(world, &nets[*net], course)).collect();
-        let sizes = Sizes { radius: params.black_radius_mm, clearance: params.clearance_mm };
         let neck = neck::fullest(world.room, &ways, sizes);
-        if let Some(neck) = neck.clone().filter(|neck| neck.capacity < neck.through.len()) {
-            give_way(Misfit::of_neck(neck, sizes), nets, &mut courses, params, job)?;
-            continue;
+        let Some(full) = neck.clone().filter(|neck| neck.capacity < neck.through.len()) else { break neck };
+        let beyond = misfit::beyond_capacity(&full);
+        let misfit = Misfit::Neck(Box::new(full));
+        let keeps = |net: usize| !beyond.contains(&nets[net].marker);
+        if params.on_misfit != OnMisfit::Drop || !courses.iter().any(|(net, _)| keeps(*net)) {
+            return Err(misfit.into());
         }
-        let mut strands: Vec<Strand> =
-            courses.iter().map(|(net, course)| strand(&nets[*net], course, params)).collect();
-        place_mouths(&mut strands, params);
-        let crowded = neck.filter(|neck| neck.is_crowded(sizes));
-        if let Some(neck) = &crowded {
-            job.log("info", "fibres of one LED share a trunk through a neck");
-            let mut bundled: Vec<(usize, Course)> = courses
-                .iter()
-                .zip(&strands)
-                .map(|((net, _), strand)| (*net, strand.course.clone()))
-                .collect();
-            trunks::bundle(neck, nets, &mut bundled);
-            strands.iter_mut().zip(bundled).for_each(|(strand, (_, course))| strand.course = course);
-        }
-        let alone = make_room(world, &mut strands, crowded.is_some(), params, job)?;
-        if finish(world, &mut strands, &alone, params, job)? {
-            polish(world, &mut strands, params);
-            let routed = courses.iter().zip(strands).map(|((net, _), strand)| (*net, strand.course));
-            return Ok(Outcome { courses: routed.collect(), kept: 0 });
-        }
-        let faults = Faults::of(world, &strands, params.apart());
-        give_way(Misfit::of_faults(nets, &courses, &faults, params), nets, &mut courses, params, job)?;
+        let markers = misfit::named(&beyond);
+        job.log("warn", &format!("left out: {markers}, as {}", misfit.message(params)));
+        courses.retain(|(net, _)| keeps(*net));
+    };
+    let mut strands: Vec<Strand> =
+        courses.iter().map(|(net, course)| strand(&nets[*net], course, params)).collect();
+    place_mouths(&mut strands, params);
+    let crowded = neck.filter(|neck| neck.is_crowded(sizes));
+    if let Some(neck) = &crowded {
+        job.log("info", "fibres of one LED share a trunk through a neck");
+        let mut bundled: Vec<(usize, Course)> =
+            courses.iter().zip(&strands).map(|((net, _), strand)| (*net, strand.course.clone())).collect();
+        trunks::bundle(neck, nets, &mut bundled);
+        strands.iter_mut().zip(bundled).for_each(|(strand, (_, course))| strand.course = course);
     }
-}
-
-/// Refuses, or leaves out what does not fit; something always remains.
-fn give_way(
-    misfit: Misfit,
-    nets: &[Net],
-    courses: &mut Vec<(usize, Course)>,
-    params: &Params,
-    job: &mut Job,
-) -> Result<(), StageError> {
-    let keeps = |net: usize| !misfit.leave_out.contains(&nets[net].marker);
-    if params.on_misfit == OnMisfit::Refuse || !courses.iter().any(|(net, _)| keeps(*net)) {
-        return Err(misfit.error());
+    let alone = make_room(world, &mut strands, crowded.is_some(), params, job)?;
+    let mut routing = Routing { nets: courses.iter().map(|(net, _)| *net).collect(), strands, alone };
+    if !finish(world, &mut routing.strands, &routing.alone, params, job)? {
+        if params.on_misfit != OnMisfit::Drop {
+            return Err(routing.misfit(world, nets, params).into());
+        }
+        routing.leave_out(world, nets, params, job)?;
     }
-    job.log("warn", &misfit.dropping());
-    courses.retain(|(net, _)| keeps(*net));
-    Ok(())
+    polish(world, &mut routing.strands, params);
+    Ok(routing.outcome())
 }
 
 fn each_alone(world: &World, passages: &Passages, nets: &[Net], params: &Params) -> Vec<Option<Course>> {
@@ -155,21 +140,25 @@ fn each_alone(world: &World, passages: &Passages, nets: &[Net], params: &Params)
 
 /// A course to be settled.
 pub fn strand(net: &Net, course: &Course, params: &Params) -> Strand {
-    let limits = Limits {
+    Strand {
+        pattern: net.pattern.0,
+        course: course.clone(),
+        margin: 0.0,
+        limits: limits(params),
+        watched: Watched::default(),
+        held: false,
+        kept: false,
+    }
+}
+
+/// Limits of a fibre of its own before any was broken.
+pub fn limits(params: &Params) -> Limits {
+    Limits {
         curvature: 1.0 / (1.005 * params.min_bend_radius_mm),
         wall_margin: 0.02,
         wall_weight: 1.0,
         bend_weight: 3.0,
         speed_weight: 1.0,
-    };
-    Strand {
-        pattern: net.pattern.0,
-        course: course.clone(),
-        margin: 0.0,
-        limits,
-        watched: Watched::default(),
-        held: false,
-        kept: false,
     }
 }
 

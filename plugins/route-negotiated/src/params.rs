@@ -64,6 +64,9 @@ pub struct Params {
     /// Radius of the core.
     #[schemars(range(min = 0.01), extend("unit" = "mm"))]
     pub core_radius_mm: f64,
+    /// With `on_misfit = "thin"` no core gets thinner than this: as much as the printer still makes, and the light allows.
+    #[schemars(range(min = 0.01), extend("unit" = "mm"))]
+    pub least_core_radius_mm: f64,
     /// Radius of the cladding.
     #[schemars(range(min = 0.01), extend("unit" = "mm"))]
     pub cladding_radius_mm: f64,
@@ -92,6 +95,9 @@ pub enum OnMisfit {
     Refuse,
     /// Leave out as few markers as needed; the log names them.
     Drop,
+    /// Make all fibres as much thinner as needed: the core gives way, cladding and black stay as thick as they are. The log and
+    /// `routes.json` say how thick they are.
+    Thin,
 }
 
 impl Default for Params {
@@ -116,6 +122,7 @@ impl Default for Params {
             c3_per_mm: light.c3_per_mm,
             c5_mm: light.c5_mm,
             core_radius_mm: radii.core,
+            least_core_radius_mm: 0.25,
             cladding_radius_mm: radii.cladding,
             black_radius_mm: radii.black,
         }
@@ -154,6 +161,28 @@ impl Params {
             cladding: self.cladding_radius_mm,
             black: self.black_radius_mm,
         }
+    }
+
+    /// The same with fibres of another outer diameter, mm; walls stay as thick as they are.
+    pub fn of_diameter(&self, diameter: f64) -> Params {
+        let less = self.black_radius_mm - 0.5 * diameter;
+        Params {
+            core_radius_mm: self.core_radius_mm - less,
+            cladding_radius_mm: self.cladding_radius_mm - less,
+            black_radius_mm: 0.5 * diameter,
+            ..self.clone()
+        }
+    }
+
+    /// Outer diameter of the fibres, mm.
+    pub fn diameter(&self) -> f64 {
+        2.0 * self.black_radius_mm
+    }
+
+    /// The least that it may be made, mm.
+    pub fn least_diameter(&self) -> f64 {
+        2.0 * (self.black_radius_mm - self.core_radius_mm
+            + self.least_core_radius_mm.min(self.core_radius_mm))
     }
 
     /// What axes keep away from the skin and the holes.

@@ -5,6 +5,7 @@
 use crate::crowd::Crowd;
 use crate::inspect::Faults;
 use crate::joint::Strand;
+use crate::misfit::Unfit;
 use crate::negotiate::{self, Outcome, finish, make_room, place_mouths, polish, reach};
 use crate::nets::Net;
 use crate::params::Params;
@@ -45,7 +46,7 @@ pub fn route(
     earlier: Vec<Option<Course>>,
     params: &Params,
     job: &mut Job,
-) -> Result<Outcome, StageError> {
+) -> Result<Outcome, Unfit> {
     let kept = keeping_limits(world, nets, earlier, params);
     let mut courses = Courses { kept, alone: BTreeMap::new() };
     let mut best: Option<Attempt> = None;
@@ -103,7 +104,7 @@ impl Courses {
         nets: &[Net],
         params: &Params,
         job: &mut Job,
-    ) -> Result<(), StageError> {
+    ) -> Result<(), Unfit> {
         let is_new = |net: &usize| !self.kept.contains_key(net) && !self.alone.contains_key(net);
         let new: Vec<usize> = (0..nets.len()).filter(is_new).collect();
         if new.is_empty() {

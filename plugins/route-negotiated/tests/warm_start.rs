@@ -2,48 +2,16 @@
 
 #![allow(clippy::unwrap_used)]
 
-use fibar_core::artefact::Document;
-use fibar_core::artefact::constellation::{Constellation, Marker, Pattern};
-use fibar_core::artefact::mesh::TriangleMesh;
-use fibar_core::artefact::routes::{Fibre, Routes};
-use fibar_core::artefact::sockets::{Hole, Socket, Sockets};
-use fibar_core::{LedId, MarkerId, PatternId};
-use glam::DVec3;
-use serde_json::{Value, json};
-use std::process::Command;
+mod stage;
 
-const SIDE: f64 = 80.0;
+use fibar_core::artefact::Document;
+use fibar_core::artefact::routes::Fibre;
+use serde_json::{Value, json};
+use stage::{Place, constellation, least_distance, sockets, tower};
+
 const HEIGHT: f64 = 70.0;
 
-/// A block on z = 0 around the z axis.
-fn block() -> TriangleMesh {
-    let corner = |k: u32| {
-        let [x, y, z] = [k & 1, k >> 1 & 1, k >> 2].map(f64::from);
-        DVec3::new((x - 0.5) * SIDE, (y - 0.5) * SIDE, z * HEIGHT)
-    };
-    let quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
-    let halves = |[a, b, c, d]: [u32; 4]| [[a, b, c], [a, c, d]];
-    TriangleMesh {
-        vertices: (0..8).map(corner).collect(),
-        triangles: quads.into_iter().flat_map(halves).collect(),
-    }
-}
-
-/// Three LEDs of patterns 1, 2, 3.
-fn sockets() -> Sockets {
-    let socket = |led: u32| Socket {
-        led: LedId(led),
-        pattern: PatternId(led + 1),
-        position: DVec3::new(12.0 * f64::from(led) - 12.0, 0.0, 8.6),
-        axis: DVec3::Z,
-    };
-    Sockets::new(Hole { diameter_mm: 5.2, depth_mm: 8.6 }, (0..3).map(socket).collect())
-}
-
-/// A marker on the top, and what it blinks.
-type Place = (f64, f64, u32);
-
-/// Nine of them, so that fibres have to cross.
+/// Nine markers, so that fibres have to cross.
 const PLACES: [Place; 9] = [
     (-24.0, -20.0, 1),
     (0.0, -20.0, 3),
@@ -56,87 +24,18 @@ const PLACES: [Place; 9] = [
     (24.0, 20.0, 1),
 ];
 
-fn constellation(places: &[Place]) -> Constellation {
-    let pattern = |id| Pattern { id: PatternId(id), bits: vec![true, false] };
-    let marker = |(id, &(x, y, pattern)): (u32, &Place)| Marker {
-        id: MarkerId(id),
-        position: DVec3::new(x, y, HEIGHT),
-        normal: DVec3::Z,
-        pattern: PatternId(pattern),
-        neighbours: vec![],
-    };
-    let markers = (1..).zip(places).map(marker).collect();
-    Constellation::new(350.0, vec![pattern(1), pattern(2), pattern(3)], markers)
-}
-
-/// What a run said and wrote.
-struct Run {
-    messages: Vec<Value>,
-    bytes: Vec<u8>,
-}
+/// A run on a block with three LEDs.
+struct Run;
 
 impl Run {
-    fn of(places: &[Place], warm: Option<&[u8]>, params: Value, threads: u32) -> Run {
-        let folder = tempfile::tempdir().unwrap();
-        let write = |name: &str, bytes: &[u8]| std::fs::write(folder.path().join(name), bytes).unwrap();
-        write("body.ply", &block().to_ply());
-        write("sockets.json", &sockets().to_json());
-        write("constellation.json", &constellation(places).to_json());
-        let mut all = json!({"effort": "quick"});
-        all.as_object_mut().unwrap().extend(params.as_object().unwrap().clone());
-        if let Some(earlier) = warm {
-            write("earlier.json", earlier);
-            all["warm_start"] = json!("earlier.json");
-        }
-        let input = |name: &str| json!([{"path": name, "digest": "0"}]);
-        let inputs = json!({
-            "body": input("body.ply"), "sockets": input("sockets.json"), "constellation": input("constellation.json"),
-        });
-        std::fs::create_dir(folder.path().join("out")).unwrap();
-        let request =
-            json!({"inputs": inputs, "params": all, "out_dir": "out", "threads": threads, "seed": 1});
-        write("request.json", request.to_string().as_bytes());
-        let stage = env!("CARGO_BIN_EXE_route-negotiated");
-        let output =
-            Command::new(stage).args(["--request", "request.json"]).current_dir(folder.path()).output();
-        let text = String::from_utf8(output.unwrap().stdout).unwrap();
-        let messages = text.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
-        Run { messages, bytes: std::fs::read(folder.path().join("out/routes.json")).unwrap_or_default() }
-    }
-
-    fn metric(&self, name: &str) -> Option<f64> {
-        self.messages.iter().find(|m| m["name"] == name).and_then(|m| m["value"].as_f64())
-    }
-
-    fn says(&self, words: &str) -> bool {
-        self.messages.iter().any(|m| m.to_string().contains(words))
-    }
-
-    fn fibres(&self) -> Vec<Fibre> {
-        assert!(!self.bytes.is_empty(), "{:?}", self.messages.last());
-        Routes::from_json(&self.bytes).unwrap().fibres
+    fn of(places: &[Place], warm: Option<&[u8]>, params: Value, threads: u32) -> stage::Run {
+        let block = tower(&[(0.0, 80.0), (HEIGHT, 80.0)]);
+        stage::Run::of((&block, &sockets(3), &constellation(places, HEIGHT)), warm, params, threads)
     }
 }
 
-fn cold() -> Run {
+fn cold() -> stage::Run {
     Run::of(&PLACES, None, json!({}), 2)
-}
-
-/// Least distance of axes of two patterns, mm, by points on both.
-fn least_distance(fibres: &[Fibre]) -> f64 {
-    let curve = |fibre: &Fibre| {
-        let curve = fibar_geometry::curve::Curve::clamped_uniform(3, &fibre.points).unwrap();
-        (0..=400).map(|k| curve.point(f64::from(k) / 400.0)).collect::<Vec<DVec3>>()
-    };
-    let curves: Vec<(u32, Vec<DVec3>)> = fibres.iter().map(|f| (f.pattern.0, curve(f))).collect();
-    let mut least = f64::INFINITY;
-    for (k, (pattern, one)) in curves.iter().enumerate() {
-        for (_, other) in curves[..k].iter().filter(|(p, _)| p != pattern) {
-            let all = one.iter().flat_map(|p| other.iter().map(|q| p.distance(*q)));
-            least = all.fold(least, f64::min);
-        }
-    }
-    least
 }
 
 /// Routes with a start from the earlier routes of [`PLACES`]; `kept` fibres must be the very same, and no more.
@@ -221,7 +120,7 @@ fn another_file_is_refused() {
     for (bytes, says) in [
         (&b"not json"[..], "these are no earlier routes"),
         (br#"{"format": "fibar.sockets/1"}"#, "these are no earlier routes"),
-        (&sockets().to_json(), "fibar.routes/1"),
+        (&sockets(3).to_json(), "fibar.routes/1"),
     ] {
         let run = Run::of(&PLACES, Some(bytes), json!({}), 1);
         assert!(run.says(says) && run.says("/warm_start"), "{:?}", run.messages.last());

@@ -1,0 +1,140 @@
+//! Which markers are left out where not all fibres fit: as few as a short search finds.
+//!
+//! The fibre most at fault goes, the others go on from where they are, until every limit is kept. Then each that went is tried once
+//! more among those that stayed.
+
+use crate::inspect::Faults;
+use crate::joint::Strand;
+use crate::misfit::{Crowding, Misfit, Unfit, named};
+use crate::negotiate::{self, Outcome, finish};
+use crate::nets::Net;
+use crate::params::Params;
+use crate::reroute::Alone;
+use fibar_core::MarkerId;
+use fibar_geometry::alone::{Watched, World};
+use fibar_geometry::course::Course;
+use fibar_plugin::{Job, StageError};
+use std::collections::BTreeMap;
+
+/// A routing under way; all three lists in the same order.
+pub struct Routing {
+    /// Numbers of the nets.
+    pub nets: Vec<usize>,
+    /// Their courses as they are now.
+    pub strands: Vec<Strand>,
+    /// What they were before they met.
+    pub alone: Vec<Alone>,
+}
+
+impl Routing {
+    /// Every course with the number of its net.
+    pub fn outcome(self) -> Outcome {
+        let courses = self.strands.into_iter().map(|strand| strand.course);
+        Outcome { courses: self.nets.into_iter().zip(courses).collect(), kept: 0 }
+    }
+
+    /// What is wrong with it.
+    pub fn misfit(&self, world: &World, nets: &[Net], params: &Params) -> Misfit {
+        let faults = Faults::of(world, &self.strands, params.apart());
+        let courses = self.strands.iter().map(|strand| strand.course.clone());
+        let courses: Vec<(usize, Course)> = self.nets.iter().copied().zip(courses).collect();
+        Misfit::Crowd(Crowding::of(world, nets, &courses, &faults, params))
+    }
+
+    /// Leaves out fibres until the others keep every limit; an error if none would be left.
+    pub fn leave_out(
+        &mut self,
+        world: &World,
+        nets: &[Net],
+        params: &Params,
+        job: &mut Job,
+    ) -> Result<(), Unfit> {
+        let mut out: Vec<(usize, Alone)> = vec![];
+        loop {
+            let faults = Faults::of(world, &self.strands, params.apart());
+            if faults.none() {
+                break;
+            }
+            let worst = worst(&faults, params.apart());
+            if worst.len() == self.strands.len() {
+                return Err(self.misfit(world, nets, params).into());
+            }
+            for k in worst.into_iter().rev() {
+                self.strands.remove(k);
+                out.push((self.nets.remove(k), self.alone.remove(k)));
+            }
+            self.finish(world, params, job)?;
+        }
+        let mut left_out: Vec<MarkerId> = vec![];
+        for (net, alone) in out.into_iter().rev() {
+            if !self.takes_in(world, (net, &nets[net]), alone, params, job)? {
+                left_out.push(nets[net].marker);
+            }
+        }
+        left_out.sort_unstable();
+        if !left_out.is_empty() {
+            let why = "their fibres find no way between the others";
+            job.log("warn", &format!("left out: {}, as {why}", named(&left_out)));
+        }
+        Ok(())
+    }
+
+    /// Takes a fibre in again if with it, too, every limit can be kept.
+    fn takes_in(
+        &mut self,
+        world: &World,
+        (number, net): (usize, &Net),
+        alone: Alone,
+        params: &Params,
+        job: &mut Job,
+    ) -> Result<bool, StageError> {
+        let at = self.nets.partition_point(|other| *other < number);
+        let before = self.strands.clone();
+        self.strands.insert(at, negotiate::strand(net, &alone.course, params));
+        self.alone.insert(at, alone);
+        self.nets.insert(at, number);
+        let fits = self.finish(world, params, job)?;
+        if !fits {
+            self.strands = before;
+            self.alone.remove(at);
+            self.nets.remove(at);
+        }
+        Ok(fits)
+    }
+
+    /// Moves what breaks a limit, with limits as they were at first.
+    fn finish(&mut self, world: &World, params: &Params, job: &mut Job) -> Result<bool, StageError> {
+        for strand in &mut self.strands {
+            let limits = negotiate::limits(params);
+            *strand = Strand { margin: 0.0, limits, watched: Watched::default(), ..strand.clone() };
+        }
+        finish(world, &mut self.strands, &self.alone, params, job)
+    }
+}
+
+/// The strands most at fault, in order, no two of them in contact: one of every jam.
+fn worst(faults: &Faults, apart: f64) -> Vec<usize> {
+    let mut blame: BTreeMap<usize, f64> = BTreeMap::new();
+    for contact in &faults.contacts {
+        for strand in contact.strands {
+            *blame.entry(strand).or_default() += apart - contact.distance;
+        }
+    }
+    for k in faults.strands() {
+        let flaws = &faults.flaws[k];
+        *blame.entry(k).or_default() += flaws.lack.clamp(0.0, apart) + apart * flaws.bend.clamp(0.0, 1.0);
+    }
+    let mut order: Vec<usize> = blame.keys().copied().collect();
+    order.sort_by(|a, b| blame[b].total_cmp(&blame[a]).then(a.cmp(b)));
+    let mut worst: Vec<usize> = vec![];
+    for k in order {
+        let meets = |other: &usize| {
+            faults.contacts.iter().any(|c| c.strands.contains(&k) && c.strands.contains(other))
+        };
+        if !worst.iter().any(meets) {
+            worst.push(k);
+        }
+    }
+    worst.sort_unstable();
+    worst
+}
