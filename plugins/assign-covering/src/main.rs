@@ -11,6 +11,7 @@ mod clashes;
 mod coverage;
 mod light;
 mod places;
+mod regions;
 
 mod codes;
 mod rings;
@@ -38,6 +39,7 @@ use fibar_plugin::{Description, Job, Stage, StageError, serve};
 use light::Light;
 use params::Params;
 use places::{Choice, Crowd, Terms};
+use regions::Regions;
 use rings::{Rings, sites_of};
 use sightlines::Sightlines;
 
@@ -79,12 +81,18 @@ impl Stage for AssignCovering {
     }
 
     fn run(params: Params, job: &mut Job) -> Result<(), StageError> {
+        regions::check(&params.regions, params.markers)?;
         let body = TriangleMesh::from_ply(&job.read("body")?)?;
         let sites = seen_sites(&Sites::from_json(&job.read("sites")?)?)?;
         let sockets = Sockets::from_json(&job.read("sockets")?)?;
         let patterns = codes_for(&sockets, params.code_plan())?;
         let bounds = job.read_optional("bounds")?.map(|bytes| Bounds::from_json(&bytes)).transpose()?;
+        let seen = sites.sites.len();
         let sites = bounds.as_ref().map_or(Ok(sites.clone()), |bounds| reached_sites(&sites, bounds))?;
+        if sites.sites.len() < seen {
+            let dark = seen - sites.sites.len();
+            job.log("warn", &format!("no LED reaches {dark} of {seen} candidate places: they are left out"));
+        }
         let light = bounds.map(|b| Light::new(&b, &sockets, &sites, params.reach_mm)).transpose()?;
         let courses = job.read_optional("courses")?.map(|bytes| Courses::from_json(&bytes)).transpose()?;
         let clashes = courses.map(|c| Clashes::new(&c, &sockets, &sites)).transpose()?;
@@ -176,10 +184,13 @@ impl<'t> Task<'t> {
         // Without light one code stands for all companions.
         let codes = if light.is_some() { self.codes } else { self.codes.min(M_SEQUENCE + 1) };
         let blank = Coverage::blank(lines, sites, params.missing_share, fair_share, light);
-        let first = Choice::greedy(blank, Terms { crowd, codes, clashes: self.clashes(), wanted });
+        let regions = Regions::new(&params.regions, sites);
+        let terms = Terms { crowd, codes, clashes: self.clashes(), wanted, regions };
+        let first = Choice::greedy(blank, terms);
         check_count(first.markers.len(), room, params)?;
         let anneal = |rng| first.clone().anneal(params.place_moves, rng);
         let best = best_of_starts(params.starts, seed, anneal, Choice::cost).unwrap_or(first);
+        best.check_regions()?;
         check_blind(&best.coverage, lines, sites, params)?;
         Ok(best)
     }

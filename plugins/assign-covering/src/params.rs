@@ -1,5 +1,6 @@
 //! The parameters of the stage.
 
+use crate::regions::Region;
 use fibar_core::code_set::CodePlan;
 
 /// What is covered, and how long the search lasts. Explained in `docs/assign-covering.md`.
@@ -12,6 +13,8 @@ pub struct Params {
     /// Least distance between two markers, straight; 0 leaves the spacing to the stage that found the sites.
     #[schemars(range(min = 0.0, max = 1000.0), extend("unit" = "mm"))]
     pub spacing_mm: f64,
+    /// Parts of the object with a number of markers of their own: `{ name = "head", low_mm = [-50, -50, 60], at_least = 20, at_most = 25 }`.
+    pub regions: Vec<Region>,
     /// Cameras stand at least this far above the horizon of the base.
     #[schemars(range(min = -90.0, max = 89.0), extend("unit" = "deg"))]
     pub lowest_view_deg: f64,
@@ -79,6 +82,7 @@ impl Default for Params {
         Params {
             markers: None,
             spacing_mm: 0.0,
+            regions: Vec::new(),
             lowest_view_deg: 0.0,
             nearest_mm: 600.0,
             farthest_mm: 1400.0,

@@ -5,7 +5,9 @@ use crate::annealing::Cooling;
 use crate::clashes::{Clashes, GRAIN_MM2, LOSS_PER_MM2};
 use crate::codes::M_SEQUENCE;
 use crate::coverage::Coverage;
+use crate::regions::Regions;
 use fibar_core::artefact::sites::Sites;
+use fibar_plugin::StageError;
 use rand::RngExt;
 use rand::seq::IndexedRandom;
 use rand_chacha::ChaCha8Rng;
@@ -19,6 +21,8 @@ const HEAT: (f64, f64) = (0.5, 0.005);
 
 /// A mean loss `∫a ds` of 1 by clashes, in the unit of `Coverage::cost`.
 const CLASHING: f64 = 50.0;
+/// A marker too few or too many in a region, in the unit of `Coverage::cost`: more than anything that one marker brings.
+const MISPLACED: f64 = 100.0;
 
 /// Who stands in whose way, and who is near.
 pub struct Crowd {
@@ -62,10 +66,12 @@ pub struct Choice<'a> {
     clashes: Option<(&'a Clashes, f64)>,
     /// Sum over all pairs of markers, in multiples of [`GRAIN_MM2`].
     clash: u64,
+    /// How many markers are where.
+    regions: Regions<'a>,
 }
 
 /// What a choice is made of and for.
-#[derive(Clone, Copy)]
+#[derive(Clone)]
 pub struct Terms<'a> {
     /// Which sites crowd each other.
     pub crowd: &'a Crowd,
@@ -75,15 +81,18 @@ pub struct Terms<'a> {
     pub clashes: Option<(&'a Clashes, f64)>,
     /// How many markers.
     pub wanted: usize,
+    /// How many of them where.
+    pub regions: Regions<'a>,
 }
 
 impl<'a> Choice<'a> {
     /// Markers one by one where each brings most, up to `wanted` or until nothing is free, then m-sequences until no further one
     /// brings anything.
     pub fn greedy(coverage: Coverage<'a>, terms: Terms<'a>) -> Choice<'a> {
-        let Terms { crowd, codes, clashes, wanted } = terms;
+        let Terms { crowd, codes, clashes, wanted, regions } = terms;
         let blocked = vec![0; crowd.rivals.len()];
-        let mut choice = Choice { coverage, markers: Vec::new(), crowd, blocked, codes, clashes, clash: 0 };
+        let mut choice =
+            Choice { coverage, markers: Vec::new(), crowd, blocked, codes, clashes, clash: 0, regions };
         while choice.markers.len() < wanted {
             let reached = |k: usize| !choice.coverage.is_hopeless(k, choice.coverage.brightest_companion(k));
             let free = (0..choice.blocked.len()).filter(|&k| choice.is_free(k) && reached(k));
@@ -110,7 +119,14 @@ impl<'a> Choice<'a> {
     /// How bad the choice is, in the unit of `Coverage::cost`.
     pub fn cost(&self) -> f64 {
         let weight = self.clashes.map_or(0.0, |(_, weight)| weight);
-        self.coverage.cost() + weight * CLASHING * self.mean_clash_loss()
+        self.coverage.cost()
+            + weight * CLASHING * self.mean_clash_loss()
+            + MISPLACED * self.regions.off() as f64
+    }
+
+    /// An error if a region has too few markers or too many.
+    pub fn check_regions(&self) -> Result<(), StageError> {
+        self.regions.check()
     }
 
     /// What a marker's fibre loses in the mean to those in its way, `∫a ds`.
@@ -121,6 +137,9 @@ impl<'a> Choice<'a> {
     /// Changes what a site carries.
     fn carry(&mut self, site: usize, code: Option<u8>) {
         self.clash -= self.clash_of(site);
+        if self.coverage.carried(site).is_some() != code.is_some() {
+            self.regions.count(site, code.is_some());
+        }
         self.coverage.carry(site, code);
         self.clash += self.clash_of(site);
     }
@@ -219,7 +238,7 @@ impl<'a> Choice<'a> {
     }
 
     fn is_free(&self, site: usize) -> bool {
-        self.blocked[site] == 0 && self.coverage.carried(site).is_none()
+        self.blocked[site] == 0 && self.coverage.carried(site).is_none() && !self.regions.is_full_at(site)
     }
 
     fn put(&mut self, site: usize) {

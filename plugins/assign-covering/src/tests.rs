@@ -150,3 +150,30 @@ fn places_that_no_led_reaches_are_left_out_and_too_few_others_are_an_error() {
     let error = reached_sites(&all, &bounds(3)).unwrap_err().to_string();
     assert!(error.contains("only 3 of 92 candidate places can be reached by any LED"), "{error}");
 }
+
+#[test]
+fn regions_have_as_many_markers_as_asked() {
+    let region = |low_z: f64, at_least: u32, at_most: Option<u32>| regions::Region {
+        name: "top".into(),
+        low_mm: Some([-100.0, -100.0, low_z]),
+        high_mm: None,
+        at_least,
+        at_most,
+    };
+    let above = |regions: Vec<regions::Region>| {
+        let found = run(
+            &sites(6),
+            &params(|p| (p.markers, p.spacing_mm, p.regions) = (Some(40), 12.0, regions.clone())),
+        );
+        found.map(|c| c.markers.iter().filter(|m| m.position.z >= 80.0).count()).map_err(|e| e.to_string())
+    };
+    let free = above(vec![]).unwrap();
+    assert_eq!(above(vec![region(80.0, free as u32 + 3, None)]), Ok(free + 3));
+    assert_eq!(above(vec![region(80.0, 0, Some(free as u32 - 4))]), Ok(free - 4));
+    assert_eq!(above(vec![region(80.0, free as u32 + 1, Some(free as u32 + 1))]), Ok(free + 1));
+    let error = above(vec![region(108.0, 9, None)]).unwrap_err();
+    assert!(
+        error.contains("\"top\" is to have at least 9 markers, but the best choice found has "),
+        "{error}"
+    );
+}

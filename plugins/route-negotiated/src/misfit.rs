@@ -46,14 +46,18 @@ impl From<Misfit> for Unfit {
 
 /// Fibres that stay too close, or break limits of their own.
 pub struct Crowding {
+    /// How many fibres break a limit, alone or in pairs.
+    pub at_fault: usize,
     /// Pairs that stay too close.
     pairs: usize,
     /// Where they do, fullest first.
     jams: Vec<Jam>,
     /// Markers whose fibres break a limit of their own.
     strained: Vec<MarkerId>,
-    /// Distance that axes have to keep, and least found, mm.
+    /// Distance that axes have to keep, mm.
     apart: f64,
+    /// Without these the others were routed, if that was tried.
+    pub without: Option<Vec<MarkerId>>,
 }
 
 /// Pairs that stay too close about one place.
@@ -100,7 +104,14 @@ impl Crowding {
             })
             .collect();
         jams.sort_by_key(|jam| std::cmp::Reverse(jam.pairs));
-        Crowding { pairs: faults.contacts.len(), jams, strained, apart: params.apart() }
+        Crowding {
+            at_fault: faults.strands().len(),
+            pairs: faults.contacts.len(),
+            jams,
+            strained,
+            apart: params.apart(),
+            without: None,
+        }
     }
 }
 
@@ -163,6 +174,11 @@ impl Misfit {
 }
 
 impl Crowding {
+    /// The same, with markers without which the others were routed.
+    pub fn fits_without(self, without: Option<Vec<MarkerId>>) -> Crowding {
+        Crowding { without, ..self }
+    }
+
     fn text(&self) -> String {
         const SHOWN: usize = 3;
         let mut parts: Vec<String> = vec![];

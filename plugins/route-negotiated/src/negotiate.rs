@@ -113,10 +113,21 @@ fn fit(
     let alone = make_room(world, &mut strands, crowded.is_some(), params, job)?;
     let mut routing = Routing { nets: courses.iter().map(|(net, _)| *net).collect(), strands, alone };
     if !finish(world, &mut routing.strands, &routing.alone, params, job)? {
-        if params.on_misfit != OnMisfit::Drop {
-            return Err(routing.misfit(world, nets, params).into());
+        /// So few may be sorted by taking some out; more would take long to no avail.
+        const FEW_AT_FAULT: usize = 8;
+        let crowding = routing.crowding(world, nets, params);
+        if params.on_misfit != OnMisfit::Drop && crowding.at_fault > FEW_AT_FAULT {
+            return Err(Misfit::Crowd(crowding).into());
         }
-        routing.leave_out(world, nets, params, job)?;
+        job.log("info", "some fibres are taken out and put back");
+        match routing.thin_out(world, nets, params, job)? {
+            Some(out) if out.is_empty() => (),
+            Some(out) if params.on_misfit == OnMisfit::Drop => {
+                let why = "their fibres find no way between the others";
+                job.log("warn", &format!("left out: {}, as {why}", misfit::named(&out)));
+            }
+            without => return Err(Misfit::Crowd(crowding.fits_without(without)).into()),
+        }
     }
     polish(world, &mut routing.strands, params);
     Ok(routing.outcome())

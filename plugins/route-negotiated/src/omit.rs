@@ -1,11 +1,11 @@
-//! Which markers are left out where not all fibres fit: as few as a short search finds.
+//! Fibres that do not find together: some are taken out, and put back where there is room then.
 //!
-//! The fibre most at fault goes, the others go on from where they are, until every limit is kept. Then each that went is tried once
-//! more among those that stayed.
+//! Those most at fault go, the others go on from where they are, until every limit is kept. Then each that went is tried once more
+//! among those that stayed. Often all are back in the end; if not, the markers of the rest are left out.
 
 use crate::inspect::Faults;
 use crate::joint::Strand;
-use crate::misfit::{Crowding, Misfit, Unfit, named};
+use crate::misfit::Crowding;
 use crate::negotiate::{self, Outcome, finish};
 use crate::nets::Net;
 use crate::params::Params;
@@ -34,21 +34,22 @@ impl Routing {
     }
 
     /// What is wrong with it.
-    pub fn misfit(&self, world: &World, nets: &[Net], params: &Params) -> Misfit {
+    pub fn crowding(&self, world: &World, nets: &[Net], params: &Params) -> Crowding {
         let faults = Faults::of(world, &self.strands, params.apart());
         let courses = self.strands.iter().map(|strand| strand.course.clone());
         let courses: Vec<(usize, Course)> = self.nets.iter().copied().zip(courses).collect();
-        Misfit::Crowd(Crowding::of(world, nets, &courses, &faults, params))
+        Crowding::of(world, nets, &courses, &faults, params)
     }
 
-    /// Leaves out fibres until the others keep every limit; an error if none would be left.
-    pub fn leave_out(
+    /// Takes fibres out until the others keep every limit, then each in again that then fits. The markers that are left out, in order:
+    /// none, if that has sorted them; `None` if nothing would be left.
+    pub fn thin_out(
         &mut self,
         world: &World,
         nets: &[Net],
         params: &Params,
         job: &mut Job,
-    ) -> Result<(), Unfit> {
+    ) -> Result<Option<Vec<MarkerId>>, StageError> {
         let mut out: Vec<(usize, Alone)> = vec![];
         loop {
             let faults = Faults::of(world, &self.strands, params.apart());
@@ -57,7 +58,7 @@ impl Routing {
             }
             let worst = worst(&faults, params.apart());
             if worst.len() == self.strands.len() {
-                return Err(self.misfit(world, nets, params).into());
+                return Ok(None);
             }
             for k in worst.into_iter().rev() {
                 self.strands.remove(k);
@@ -72,11 +73,7 @@ impl Routing {
             }
         }
         left_out.sort_unstable();
-        if !left_out.is_empty() {
-            let why = "their fibres find no way between the others";
-            job.log("warn", &format!("left out: {}, as {why}", named(&left_out)));
-        }
-        Ok(())
+        Ok(Some(left_out))
     }
 
     /// Takes a fibre in again if with it, too, every limit can be kept.

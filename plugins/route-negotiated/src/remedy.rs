@@ -3,7 +3,7 @@
 //! Whatever is said to fit was routed and keeps every limit.
 
 use crate::attempt::{Routed, Task};
-use crate::misfit::{Misfit, Unfit, named};
+use crate::misfit::{Crowding, Misfit, Unfit, named};
 use crate::params::{OnMisfit, Params};
 use fibar_core::MarkerId;
 use fibar_plugin::{Job, StageError};
@@ -59,7 +59,10 @@ pub fn route(task: &Task, params: &Params, job: &mut Job) -> Result<Routed, Stag
         Thinner::NotEven(diameter) => remedies.too_thick = Some(diameter),
         Thinner::Pointless => (),
     }
-    remedies.without = dropped(task, params, job)?;
+    remedies.without = match *misfit {
+        Misfit::Crowd(Crowding { without: Some(ref without), .. }) => Some(without.clone()),
+        _ => dropped(task, params, job)?,
+    };
     Err(misfit.error(&remedies, params))
 }
 
@@ -73,22 +76,40 @@ enum Thinner {
     Pointless,
 }
 
-/// Tries a little less first, or what a neck is known to leave; then the least; then halves what lies between.
+/// Downwards in growing steps, since what is a little thinner often fits; once two have failed the least is tried, to know whether to
+/// go on. Then halves what lies between what fits and what does not.
 fn thinner(task: &Task, misfit: &Misfit, params: &Params, job: &mut Job) -> Result<Thinner, StageError> {
-    const STEP_MM: f64 = 0.06;
+    const FIRST_STEP_MM: f64 = 0.06;
     const TOLD_APART_MM: f64 = 0.03;
+    const BEFORE_THE_LEAST: u32 = 2;
     let least = params.least_diameter();
     if least > params.diameter() - TOLD_APART_MM || !task.has_places(&params.of_diameter(least))? {
         return Ok(Thinner::Pointless);
     }
-    let mut fails = misfit.bound_mm(params);
-    let first = hundredths(if fails < params.diameter() { fails } else { fails - STEP_MM }).max(least);
-    let mut found = of_diameter(task, first, params, job)?;
-    if found.is_none() && first > least {
-        fails = first;
-        found = of_diameter(task, least, params, job)?;
-    }
-    let Some(mut found) = found else { return Ok(Thinner::NotEven(least)) };
+    let (mut fails, mut step, mut failures) = (misfit.bound_mm(params), FIRST_STEP_MM, 0);
+    let mut next = if fails < params.diameter() { fails } else { fails - step };
+    let mut thinnest: Option<Routed> = None;
+    let mut found = loop {
+        let diameter = hundredths(next);
+        if diameter <= least {
+            match thinnest.take() {
+                Some(routed) => break routed,
+                None => return Ok(least_or_nothing(of_diameter(task, least, params, job)?, least)),
+            }
+        }
+        if let Some(routed) = of_diameter(task, diameter, params, job)? {
+            break routed;
+        }
+        (fails, failures) = (diameter, failures + 1);
+        if failures == BEFORE_THE_LEAST {
+            thinnest = of_diameter(task, least, params, job)?;
+            if thinnest.is_none() {
+                return Ok(Thinner::NotEven(least));
+            }
+        }
+        next = fails - step;
+        step *= 2.0;
+    };
     while fails - found.params.diameter() > TOLD_APART_MM {
         let diameter = hundredths(0.5 * (fails + found.params.diameter()));
         match of_diameter(task, diameter, params, job)? {
@@ -97,6 +118,10 @@ fn thinner(task: &Task, misfit: &Misfit, params: &Params, job: &mut Job) -> Resu
         }
     }
     Ok(Thinner::Found(Box::new(found)))
+}
+
+fn least_or_nothing(routed: Option<Routed>, least: f64) -> Thinner {
+    routed.map_or(Thinner::NotEven(least), |routed| Thinner::Found(Box::new(routed)))
 }
 
 /// Routes with fibres of another outer diameter, mm.
@@ -121,6 +146,7 @@ fn of_diameter(
 /// The markers that are left out so that the others fit.
 fn dropped(task: &Task, params: &Params, job: &mut Job) -> Result<Option<Vec<MarkerId>>, StageError> {
     let params = Params { on_misfit: OnMisfit::Drop, ..params.clone() };
+    job.log("info", "trying fewer markers");
     match task.attempt(&params, job) {
         Ok(routed) => Ok(Some(routed.left_out())),
         Err(Unfit::Ended(error)) => Err(error),
