@@ -54,11 +54,13 @@ pub struct Limits {
     pub triangles: u64,
     /// Breaches of 3MF rules that `repair-manifold` can mend, or that change nothing here, become notes.
     pub mends_3mf: bool,
+    /// Corners of exactly equal coordinates become one where the format knows no shared ones (STL), in the order of their first use.
+    pub shares_corners: bool,
 }
 
 impl Default for Limits {
     fn default() -> Limits {
-        Limits { triangles: 10_000_000, mends_3mf: false }
+        Limits { triangles: 10_000_000, mends_3mf: false, shares_corners: false }
     }
 }
 

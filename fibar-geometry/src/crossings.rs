@@ -3,11 +3,12 @@
 //! Two triangles cross if a side of one passes strictly through the inside of the other. Triangles that touch, share corners or lie
 //! in one plane do not.
 
-use crate::fans::{ROUNDING, even_fans};
-use crate::overlaps::{LooseBox, overlaps};
+use crate::company::in_company;
+use crate::half_edges::twins;
+use crate::overlaps::{LooseBox, overlaps_of_groups};
+use crate::patches::patches;
 use fibar_core::artefact::mesh::TriangleMesh;
 use glam::DVec3;
-use rayon::prelude::*;
 use robust::{Coord3D, orient3d};
 
 /// Two triangles that cross, and where.
@@ -21,31 +22,61 @@ pub struct Crossing {
 
 /// All crossings of a mesh whose triangles share corners by index, by the triangles' numbers.
 pub fn crossings(mesh: &TriangleMesh) -> Vec<Crossing> {
-    let boxes: Vec<LooseBox> =
-        (0..mesh.triangles.len()).into_par_iter().map(|t| LooseBox::around(mesh.corners(t))).collect();
-    let even = even_fans(mesh);
-    let mut found = overlaps(&boxes, |[one, other]| {
-        let pair = [one.min(other), one.max(other)];
-        if are_apart(mesh, &even, pair.map(|t| t as usize)) { None } else { crossing(mesh, pair) }
+    crossings_with(mesh, &twins(mesh))
+}
+
+/// The same, of a mesh whose [`twins`] are known.
+pub fn crossings_with(mesh: &TriangleMesh, twins: &[u32]) -> Vec<Crossing> {
+    let mut found = near_pairs(mesh, &patches(mesh, twins), |pair| {
+        if are_apart(mesh, pair.map(|t| t as usize)) { None } else { crossing(mesh, pair) }
     });
     found.sort_unstable_by_key(|crossing| crossing.triangles);
     found
+}
+
+/// Pairs of triangles of different groups that no plane of either keeps apart: all that touch are among them. In order.
+pub fn contacts(mesh: &TriangleMesh, groups: &[u32]) -> Vec<[u32; 2]> {
+    let is_beside = |plane: u32, other: u32| {
+        let [a, b, c] = mesh.corners(plane as usize);
+        let heights = mesh.corners(other as usize).map(|point| volume(a, b, c, point));
+        heights.iter().all(|&height| height > 0.0) || heights.iter().all(|&height| height < 0.0)
+    };
+    let touch = |[one, other]: [u32; 2]| !is_beside(one, other) && !is_beside(other, one);
+    let mut found = near_pairs(mesh, groups, |pair| touch(pair).then_some(pair));
+    found.sort_unstable();
+    found
+}
+
+/// Calls `visit` with any two triangles that are of different groups, or of none, and whose boxes meet; the lower number first.
+fn near_pairs<T: Send>(
+    mesh: &TriangleMesh,
+    groups: &[u32],
+    visit: impl Fn([u32; 2]) -> Option<T> + Sync,
+) -> Vec<T> {
+    let near = in_company(mesh, groups);
+    let boxes: Vec<LooseBox> = near.iter().map(|&t| LooseBox::around(mesh.corners(t as usize))).collect();
+    let groups: Vec<u32> = near.iter().map(|&t| groups[t as usize]).collect();
+    overlaps_of_groups(&boxes, &groups, |pair| {
+        let [one, other] = pair.map(|k| near[k as usize]);
+        visit([one.min(other), one.max(other)])
+    })
 }
 
 fn crossing(mesh: &TriangleMesh, triangles: [u32; 2]) -> Option<Crossing> {
     crossing_point(mesh, triangles.map(|t| t as usize)).map(|place| Crossing { triangles, place })
 }
 
-/// Whether two triangles certainly do not cross: they share a side, or a corner with an even fan, or a plane parts them: an
-/// upright one along a side, or that of either, where corners that they share lie in it. Strict in spite of rounding.
-fn are_apart(mesh: &TriangleMesh, even: &[bool], [one, other]: [usize; 2]) -> bool {
+/// More than the rounding of a product of three differences, relative to what they are at most.
+const ROUNDING: f64 = 1e-14;
+
+/// Whether two triangles certainly do not cross: they share a side, or a plane parts them: an upright one along a side, or that of
+/// either, where corners that they share lie in it. Strict in spite of rounding.
+fn are_apart(mesh: &TriangleMesh, [one, other]: [usize; 2]) -> bool {
     let [a, b] = [one, other].map(|t| mesh.triangles[t]);
     let is_shared = |v: u32| (v == b[0]) | (v == b[1]) | (v == b[2]);
-    let shared = a.map(is_shared);
-    match shared.iter().filter(|&&shared| shared).count() {
+    match a.into_iter().filter(|&v| is_shared(v)).count() {
         0 if is_parted_beside(mesh, [one, other]) => return true,
-        0 => {}
-        1 if !(0..3).any(|k| shared[k] && even[a[k] as usize]) => {}
+        0 | 1 => {}
         _ => return true,
     }
     lies_beside(mesh, one, other) || lies_beside(mesh, other, one)
@@ -166,6 +197,33 @@ mod tests {
             let all: Vec<Crossing> = pairs.filter_map(|pair| crossing(&mesh, pair)).collect();
             assert_eq!(crossings(&mesh), all);
             assert!(all.len() > 20);
+        }
+    }
+
+    #[test]
+    fn crumpled_sheets_cross_where_every_pair_says_so() {
+        use rand::RngExt;
+        use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng};
+        const COUNT: u32 = 24;
+        let mut rng = ChaCha8Rng::seed_from_u64(5);
+        for noise in [0.1, 0.4, 0.6, 0.8] {
+            let mut place = |v: u32| {
+                let (x, y) = (f64::from(v % (COUNT + 1)), f64::from(v / (COUNT + 1)));
+                // Rolled up, one and a half times around.
+                let (sine, cosine) = libm::sincos(0.4 * x);
+                let shake = DVec3::from([0; 3].map(|_| rng.random_range(-noise..noise)));
+                DVec3::new((4.0 + 0.02 * x) * cosine, (4.0 + 0.02 * x) * sine, y) + shake
+            };
+            let vertices: Vec<DVec3> = (0..(COUNT + 1) * (COUNT + 1)).map(&mut place).collect();
+            let cells = (0..COUNT * COUNT).map(|c| c % COUNT + c / COUNT * (COUNT + 1));
+            let triangles =
+                cells.flat_map(|v| [[v, v + 1, v + COUNT + 2], [v, v + COUNT + 2, v + COUNT + 1]]);
+            let mesh = TriangleMesh { vertices, triangles: triangles.collect() };
+            let count = mesh.triangles.len() as u32;
+            let pairs = (0..count).flat_map(|t| (t + 1..count).map(move |other| [t, other]));
+            let all: Vec<Crossing> = pairs.filter_map(|pair| crossing(&mesh, pair)).collect();
+            assert_eq!(all.is_empty(), noise < 0.2);
+            assert_eq!(crossings(&mesh), all, "{noise}");
         }
     }
 }

@@ -16,11 +16,14 @@ pub mod passage;
 pub mod pieces;
 pub mod room;
 
+mod company;
 pub mod crossings;
 pub mod deviation;
 pub mod distance;
-mod fans;
+pub mod half_edges;
+mod outline;
 pub mod overlaps;
+mod patches;
 pub mod rays;
 pub mod sampling;
 pub mod segments;

@@ -39,16 +39,28 @@ fn above(x: f64) -> f32 {
     -below(-x)
 }
 
+/// In no group.
+pub const LOOSE: u32 = u32::MAX;
+
 /// Calls `visit` with every two boxes that overlap or touch, by their numbers in no certain order, and collects what it gives, in an
 /// order that is the same for any number of threads.
 pub fn overlaps<T: Send>(boxes: &[LooseBox], visit: impl Fn([u32; 2]) -> Option<T> + Sync) -> Vec<T> {
+    overlaps_of_groups(boxes, &vec![LOOSE; boxes.len()], visit)
+}
+
+/// The same, but for boxes of the same group. Groups are numbered from 0, or [`LOOSE`].
+pub fn overlaps_of_groups<T: Send>(
+    boxes: &[LooseBox],
+    groups: &[u32],
+    visit: impl Fn([u32; 2]) -> Option<T> + Sync,
+) -> Vec<T> {
     /// Parts of the work are pairs of nodes this high above the boxes, of 512 boxes each.
     const PART: usize = 3;
     if boxes.is_empty() {
         return Vec::new();
     }
-    let order = along_curve(boxes);
-    let tree = Tree::of(order.iter().map(|&number| boxes[number as usize]));
+    let order = by_group(&along_curve(boxes), groups);
+    let tree = Tree::of(order.iter().map(|&number| (boxes[number as usize], groups[number as usize])));
     let top = tree.levels.len();
     let mut parts = Vec::new();
     tree.descend(top, PART.min(top), [0, 0], &mut |part| parts.push(part));
@@ -76,6 +88,23 @@ fn along_curve(boxes: &[LooseBox]) -> Vec<u32> {
     let mut keys: Vec<u64> = (0..).zip(boxes).map(key).collect();
     sort_by_high_half(&mut keys);
     keys.into_iter().map(|key| key as u32).collect()
+}
+
+/// Sorts numbers by their groups; within a group their order stays.
+fn by_group(order: &[u32], groups: &[u32]) -> Vec<u32> {
+    let place = |number: u32| groups[number as usize].wrapping_add(1) as usize;
+    let count = order.iter().map(|&number| place(number)).max().unwrap_or(0);
+    let mut starts = vec![0u32; count + 1];
+    order.iter().for_each(|&number| starts[place(number)] += 1);
+    let mut sum = 0;
+    starts.iter_mut().for_each(|start| sum += std::mem::replace(start, sum));
+    let mut sorted = vec![0; order.len()];
+    for &number in order {
+        let start = &mut starts[place(number)];
+        sorted[*start as usize] = number;
+        *start += 1;
+    }
+    sorted
 }
 
 /// Ten bits, two zeros after each.
@@ -143,22 +172,33 @@ impl Eight {
 /// The nodes of each level are eight of the level below; the lowest are eight boxes.
 struct Tree {
     levels: Vec<Vec<Eight>>,
+    /// For the boxes and each level of nodes, what group all that is below belongs to.
+    groups: Vec<Vec<u32>>,
 }
 
 impl Tree {
-    fn of(boxes: impl Iterator<Item = LooseBox>) -> Tree {
+    fn of(boxes: impl Iterator<Item = (LooseBox, u32)>) -> Tree {
         let mut levels: Vec<Vec<Eight>> = Vec::new();
-        let mut below: Vec<LooseBox> = boxes.collect();
+        let (mut below, lowest): (Vec<LooseBox>, Vec<u32>) = boxes.unzip();
+        let mut groups = vec![lowest];
         while levels.is_empty() || below.len() > 1 {
             let merge = |some: &[LooseBox]| some.iter().copied().fold(LooseBox::NONE, LooseBox::merged);
+            let common =
+                |some: &[u32]| if some.iter().all(|group| *group == some[0]) { some[0] } else { LOOSE };
+            groups.push(groups[levels.len()].chunks(8).map(common).collect());
             levels.push(below.chunks(8).map(Eight::of).collect());
             below = below.chunks(8).map(merge).collect();
         }
-        Tree { levels }
+        Tree { levels, groups }
     }
 
-    /// Every two nodes of level `floor` below two of `level` (or one, held against itself) that overlap, and at levels above the boxes
-    /// also every node with itself.
+    fn are_of_one_group(&self, level: usize, [one, other]: [usize; 2]) -> bool {
+        let groups = &self.groups[level];
+        groups[one] == groups[other] && groups[one] != LOOSE
+    }
+
+    /// Every two nodes of level `floor` below two of `level` (or one, held against itself) that overlap and are not of one group, and at
+    /// levels above the boxes also every node with itself.
     fn descend(
         &self,
         level: usize,
@@ -166,6 +206,9 @@ impl Tree {
         [one, other]: [usize; 2],
         found: &mut dyn FnMut([usize; 2]),
     ) {
+        if self.are_of_one_group(level, [one, other]) {
+            return;
+        }
         if level == floor {
             return found([one, other]);
         }
@@ -218,13 +261,17 @@ mod tests {
             };
             let mut boxes: Vec<LooseBox> = (0..count).map(|_| a_box()).collect();
             boxes.extend_from_within(..count / 3);
+            let groups: Vec<u32> =
+                (0..boxes.len() as u32).map(|k| [k / 40, LOOSE][(k % 7 == 0) as usize]).collect();
             let touch = |a: &LooseBox, b: &LooseBox| {
                 (0..3).all(|axis| a.low[axis] <= b.high[axis] && b.low[axis] <= a.high[axis])
             };
+            let apart = |a: usize, b: usize| groups[a] == LOOSE || groups[a] != groups[b];
             let all = (0..boxes.len()).flat_map(|a| (a + 1..boxes.len()).map(move |b| [a, b]));
-            let expected: Vec<[usize; 2]> = all.filter(|&[a, b]| touch(&boxes[a], &boxes[b])).collect();
+            let expected: Vec<[usize; 2]> =
+                all.filter(|&[a, b]| apart(a, b) && touch(&boxes[a], &boxes[b])).collect();
             let sorted = |[a, b]: [u32; 2]| Some([a.min(b), a.max(b)].map(|number| number as usize));
-            let mut found = overlaps(&boxes, sorted);
+            let mut found = overlaps_of_groups(&boxes, &groups, sorted);
             found.sort_unstable();
             assert_eq!(found, expected, "{count} boxes of {size}");
         }

@@ -42,7 +42,8 @@ pub fn run(target: &str, bytes: &[u8]) {
 
 /// A file of somebody else's, in the format of an extension.
 fn mesh_file(bytes: &[u8], extension: &str) {
-    let limits = Limits { triangles: 100_000, mends_3mf: bytes.len() % 2 == 1 };
+    let limits =
+        Limits { triangles: 100_000, mends_3mf: bytes.len() % 2 == 1, shares_corners: bytes.len() % 4 > 1 };
     let Ok(file) = fibar_formats::read(Cursor::new(bytes), extension, &limits) else { return };
     let mesh = &file.mesh;
     let count = mesh.vertices.len();

@@ -23,6 +23,7 @@ const TRIANGLE_BYTES: usize = 13;
 
 impl TriangleMesh {
     /// The three corners of a triangle, mm.
+    #[inline]
     pub fn corners(&self, triangle: usize) -> [DVec3; 3] {
         self.triangles[triangle].map(|v| self.vertices[v as usize])
     }

@@ -1,7 +1,6 @@
 //! From a soup of triangles to a solid: the steps of the repair in their order.
 
 use crate::census::Census;
-use crate::crossings::{Crossing, crossings};
 use crate::edges::Edges;
 use crate::families::{Family, families, shell_numbers};
 use crate::fate::Fate;
@@ -11,6 +10,7 @@ use crate::sheets::Sheets;
 use crate::tangles::{Tangled, untangle};
 use crate::{orientation, scuffs, seams, sight, sound, volume, walls, weld};
 use fibar_core::artefact::mesh::TriangleMesh;
+use fibar_geometry::crossings::{Crossing, crossings};
 use fibar_solid::{Solid, SolidError};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -47,6 +47,9 @@ impl From<SolidError> for Obstacle {
 /// Closes a mesh; notes in `fate` what was done to it. Every side of the result has two triangles that agree and every vertex one
 /// fan of them, so that Manifold takes it as it is.
 pub fn close(soup: &TriangleMesh, limits: Limits, fate: &mut Fate) -> Result<TriangleMesh, Obstacle> {
+    if let Some(sound) = close_sound(soup, fate) {
+        return Ok(sound);
+    }
     let mut mesh = settle(soup, limits, fate);
     let sheets = close_holes(&mesh, limits, fate)?;
     mesh = sheets.mesh.clone();
@@ -110,11 +113,8 @@ fn close_holes(mesh: &TriangleMesh, limits: Limits, fate: &mut Fate) -> Result<S
     if sheets.is_closed() { Ok(sheets) } else { Err(Obstacle::Edges(Census::of(&closed))) }
 }
 
-/// The mesh itself, welded, if it needs no repair and is large enough for that to matter: then no solid has to be made of it.
-pub fn close_sound(soup: &TriangleMesh, fate: &mut Fate) -> Option<TriangleMesh> {
-    if soup.triangles.len() < sound::WORTHWHILE {
-        return None;
-    }
+/// The mesh itself, welded, if it needs no repair: most do not, and to prove that takes less than to look for what to mend.
+fn close_sound(soup: &TriangleMesh, fate: &mut Fate) -> Option<TriangleMesh> {
     // What is sound has no triangle that collapses, stands twice or back to back.
     let welded = weld::with_shared_places(soup);
     let volume = volume::signed_volume(&welded);

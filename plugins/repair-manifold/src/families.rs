@@ -1,9 +1,8 @@
 //! Families: shells that touch each other or lie in each other, and so must be united together or may be left alone.
 
-use crate::crossings::{Crossing, may_touch};
 use crate::nesting::Shell;
-use crate::pairs::near_pairs;
 use fibar_core::artefact::mesh::TriangleMesh;
+use fibar_geometry::crossings::{self, Crossing};
 
 /// Some shells.
 #[derive(Clone, Debug, PartialEq)]
@@ -71,11 +70,9 @@ fn contacts(mesh: &TriangleMesh, shells: &[Shell], found: &[Crossing]) -> Vec<[u
     let boxes_meet =
         || (0..shells.len()).any(|a| (a + 1..shells.len()).any(|b| shells[a].may_touch(&shells[b])));
     if shells.len() > 1 && boxes_meet() {
-        let pairs = near_pairs(mesh).into_iter();
-        let apart = pairs.filter(|pair| numbers[pair[0] as usize] != numbers[pair[1] as usize]);
-        contacts.extend(
-            apart.filter(|pair| may_touch(mesh, *pair)).map(|pair| pair.map(|t| numbers[t as usize])),
-        );
+        let groups: Vec<u32> = numbers.iter().map(|&number| number as u32).collect();
+        let pairs = crossings::contacts(mesh, &groups).into_iter();
+        contacts.extend(pairs.map(|pair| pair.map(|t| numbers[t as usize])));
     }
     contacts.iter_mut().for_each(|pair| pair.sort_unstable());
     contacts.sort_unstable();
@@ -86,10 +83,10 @@ fn contacts(mesh: &TriangleMesh, shells: &[Shell], found: &[Crossing]) -> Vec<[u
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::crossings::crossings;
     use crate::fixture::{ball, block, inverted, moved, together};
     use crate::nesting::Nesting;
     use crate::sheets::Sheets;
+    use fibar_geometry::crossings::crossings;
 
     fn check(parts: &[TriangleMesh], expected: &[(&[usize], bool)]) {
         let mut mesh = together(parts);

@@ -3,11 +3,11 @@
 //! All of them are cut out at once and the holes closed; what still crosses then is cut out with a ring of triangles more, and so on
 //! (after Attene 2010, "A lightweight approach to repairing digitized polygon meshes"). What is not small is left to `tangles`.
 
-use crate::crossings::{Crossing, crossings};
 use crate::distance::farthest;
 use crate::holes::{close_all, holes};
 use crate::sheets::Sheets;
 use fibar_core::artefact::mesh::TriangleMesh;
+use fibar_geometry::crossings::{Crossing, crossings};
 use glam::DVec3;
 use std::collections::BTreeMap;
 

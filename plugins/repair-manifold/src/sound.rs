@@ -1,56 +1,22 @@
-//! A short way for large meshes that need no repair: it proves that, and then Manifold has nothing to add.
+//! A short way for meshes that need no repair: it proves that, and then Manifold has nothing to add.
 //!
 //! Sound means: every edge has two triangles that run along it in opposite directions, every vertex one fan of triangles, all of it is
 //! one shell that encloses something, and no triangle passes through another. That is what Manifold asks of a mesh, and more.
 
+use crate::edges::origin;
 use fibar_core::artefact::mesh::TriangleMesh;
-use fibar_geometry::crossings::crossings;
-
-/// Smaller meshes take the long way, which costs them little, and come out in Manifold's order.
-pub const WORTHWHILE: usize = 200_000;
+use fibar_geometry::crossings::crossings_with;
+use fibar_geometry::half_edges::{OPEN, next, twins};
 
 /// Whether a mesh without two vertices at one place is sound.
 pub fn is_sound(mesh: &TriangleMesh) -> bool {
-    is_one_surface(mesh) && crossings(mesh).is_empty()
+    let twins = twins(mesh);
+    is_one_surface(mesh, &twins) && crossings_with(mesh, &twins).is_empty()
 }
 
 /// Whether a mesh is one closed, oriented surface without pinches or folded triangles.
-fn is_one_surface(mesh: &TriangleMesh) -> bool {
-    twins(mesh).is_some_and(|twins| {
-        !has_folded(&twins) && is_connected(&twins) && count_fans(&twins) == mesh.vertices.len()
-    })
-}
-
-/// The half-edge `3·triangle + k` that runs the other way along the same edge, for each; `None` unless each has exactly one.
-fn twins(mesh: &TriangleMesh) -> Option<Vec<u32>> {
-    // Half-edges in buckets by the vertex that they start from.
-    let mut starts = vec![0u32; mesh.vertices.len() + 1];
-    mesh.triangles.iter().flatten().for_each(|&v| starts[v as usize] += 1);
-    let mut sum = 0;
-    starts.iter_mut().for_each(|start| sum += std::mem::replace(start, sum));
-    let mut ends = starts.clone();
-    let mut leaving = vec![(0u32, 0u32); 3 * mesh.triangles.len()];
-    for (half_edge, [from, to]) in crate::edges::half_edges(mesh).enumerate() {
-        let end = &mut ends[from as usize];
-        leaving[*end as usize] = (to, half_edge as u32);
-        *end += 1;
-    }
-    let all_from = |v: u32| &leaving[starts[v as usize] as usize..starts[v as usize + 1] as usize];
-    let back = |[from, to]: [u32; 2]| {
-        let mut found = all_from(to).iter().filter(|(end, _)| *end == from);
-        let twice = all_from(from).iter().filter(|(end, _)| *end == to).count() > 1;
-        found
-            .next()
-            .filter(|_| !twice && from != to && found.next().is_none())
-            .map(|(_, half_edge)| *half_edge)
-    };
-    let mut twins = Vec::with_capacity(leaving.len());
-    for &[a, b, c] in &mesh.triangles {
-        for side in [[a, b], [b, c], [c, a]] {
-            twins.push(back(side)?);
-        }
-    }
-    Some(twins)
+fn is_one_surface(mesh: &TriangleMesh, twins: &[u32]) -> bool {
+    !twins.contains(&OPEN) && !has_folded(twins) && is_connected(twins) && are_single_fans(mesh, twins)
 }
 
 /// Whether two triangles stand back to back.
@@ -74,31 +40,38 @@ fn is_connected(twins: &[u32]) -> bool {
     count == seen.len()
 }
 
-/// How many fans of triangles there are around vertices; a pinched vertex has several.
-fn count_fans(twins: &[u32]) -> usize {
+/// Whether there is one fan of triangles around each vertex, which leads to every neighbour once: a pinched vertex has several fans,
+/// and where more than two triangles meet at an edge a fan passes it twice.
+fn are_single_fans(mesh: &TriangleMesh, twins: &[u32]) -> bool {
     let mut seen = vec![false; twins.len()];
+    let mut reached_by = vec![OPEN; mesh.vertices.len()];
     let mut fans = 0;
     for first in 0..twins.len() as u32 {
         let mut corner = first;
         fans += usize::from(!seen[first as usize]);
         while !std::mem::replace(&mut seen[corner as usize], true) {
-            corner = crate::edges::next(twins[corner as usize]);
+            let neighbour = origin(mesh, next(corner)) as usize;
+            if std::mem::replace(&mut reached_by[neighbour], first) == first {
+                return false;
+            }
+            corner = next(twins[corner as usize]);
         }
     }
-    fans
+    fans == mesh.vertices.len()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fixture::{ball, inverted, moved, octahedron, together};
+    use crate::fixture::{ball, block, inverted, moved, octahedron, together};
     use crate::orientation::turn;
     use crate::weld::with_shared_places;
 
     #[test]
     fn only_one_closed_surface_is_sound() {
         let check = |mesh: &TriangleMesh, expected: bool| {
-            assert_eq!(is_one_surface(&with_shared_places(mesh)), expected, "{mesh:?}");
+            let mesh = with_shared_places(mesh);
+            assert_eq!(is_one_surface(&mesh, &twins(&mesh)), expected, "{mesh:?}");
         };
         check(&ball(10.0, 8), true);
         check(&inverted(octahedron(1.0)), true);
@@ -112,6 +85,10 @@ mod tests {
         check(&broken(&|mesh| mesh.triangles.truncate(7)), false);
         check(&broken(&|mesh| turn(&mut mesh.triangles[3])), false);
         check(&broken(&|mesh| mesh.triangles[3] = mesh.triangles[2]), false);
+        // Two boxes that touch along an edge, and along all four edges of a face.
+        let cube = |x: f64, y: f64| block([x, y, 0.0], [x + 1.0, y + 1.0, 1.0]);
+        check(&together(&[cube(0.0, 0.0), cube(1.0, 1.0)]), false);
+        check(&together(&[cube(0.0, 0.0), cube(1.0, 0.0)]), false);
         let with = |more: &[[u32; 3]]| broken(&|mesh| mesh.triangles.extend(more));
         check(&with(&[[0, 1, 1]]), false);
         check(&with(&[[0, 0, 0]]), false);

@@ -5,10 +5,10 @@
 //! opposite wall, the triangles around the crossings are taken away and the hole is closed (after Attene 2010, "A lightweight
 //! approach to repairing digitized polygon meshes"). Either way the result is judged anew by exact predicates.
 
-use crate::crossings::{Crossing, crossings};
 use crate::holes::{close_all, holes};
 use crate::sheets::Sheets;
 use fibar_core::artefact::mesh::TriangleMesh;
+use fibar_geometry::crossings::{Crossing, crossings};
 use fibar_solid::{Solid, SolidError};
 use glam::DVec3;
 use std::collections::BTreeSet;

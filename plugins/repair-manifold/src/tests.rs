@@ -1,13 +1,13 @@
 //! Sound meshes broken in every known way, and what must come out.
 
 use crate::closing::{Limits, Obstacle, close};
-use crate::crossings::crossings;
 use crate::fate::Fate;
 use crate::fixture::{ball, block, inverted, moved, octahedron, together};
 use crate::orientation::turn;
 use crate::sheets::Sheets;
 use crate::volume::signed_volume;
 use fibar_core::artefact::mesh::TriangleMesh;
+use fibar_geometry::crossings::crossings;
 use fibar_solid::Solid;
 use glam::DVec3;
 

@@ -72,6 +72,16 @@ impl Default for Params {
     }
 }
 
+impl Params {
+    fn extension(&self) -> &str {
+        self.path.path().extension().and_then(|e| e.to_str()).unwrap_or_default()
+    }
+
+    fn is_stl(&self) -> bool {
+        self.extension().eq_ignore_ascii_case("stl")
+    }
+}
+
 impl Stage for SourceMesh {
     type Params = Params;
 
@@ -92,26 +102,28 @@ impl Stage for SourceMesh {
         job.progress(0.0, "reading")?;
         let file = read(&params)?;
         file.notes.iter().for_each(|note| job.log("warn", note));
+        let file = share_corners(file, &params, job);
         job.progress(0.7, "placing")?;
         let mut parts = parts::of(&file);
         let placed = place(file, &params)?;
         parts::measure(&mut parts, &placed);
-        let placed = share_corners(placed, job);
         job.metric("source.triangles", placed.triangles.len() as f64, "1");
         job.write("mesh", "mesh.ply", &placed.to_ply())?;
         job.write("parts", "parts.json", &parts.to_json())
     }
 }
 
-/// Where a format knows no shared corners (STL), equal ones are the same corner.
-fn share_corners(mesh: TriangleMesh, job: &mut Job) -> TriangleMesh {
-    if mesh.vertices.len() != 3 * mesh.triangles.len() {
-        return mesh;
+/// Where a format knows no shared corners, equal ones are the same corner: in an STL they were read so, in others all stand alone.
+fn share_corners(mut file: MeshFile, params: &Params, job: &mut Job) -> MeshFile {
+    let corners = 3 * file.mesh.triangles.len();
+    if file.mesh.vertices.len() == corners {
+        file.mesh = file.mesh.indexed();
+    } else if !params.is_stl() {
+        return file;
     }
-    let shared = mesh.indexed();
-    let counts = format!("{} corners stand at {} places", mesh.vertices.len(), shared.vertices.len());
+    let counts = format!("{corners} corners stand at {} places", file.mesh.vertices.len());
     job.log("info", &format!("{counts}: equal ones are shared, as the file cannot say so itself"));
-    shared
+    file
 }
 
 fn check(params: &Params) -> Result<(), StageError> {
@@ -137,9 +149,12 @@ fn read(params: &Params) -> Result<MeshFile, StageError> {
     let blame = |message: String| StageError::input(message).param("/path");
     let path = params.path.path();
     let file = File::open(path).map_err(|error| blame(format!("cannot read the file: {error}")))?;
-    let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default();
-    let limits = Limits { triangles: params.max_triangles, mends_3mf: params.broken_3mf == Broken::Mend };
-    fibar_formats::read(file, extension, &limits)
+    let limits = Limits {
+        triangles: params.max_triangles,
+        mends_3mf: params.broken_3mf == Broken::Mend,
+        shares_corners: true,
+    };
+    fibar_formats::read(file, params.extension(), &limits)
         .map_err(|error: ReadError| blame(error.to_string()).hint(error.hint()))
 }
 
