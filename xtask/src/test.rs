@@ -42,7 +42,7 @@ fn executables(checkout: &Checkout) -> PathBuf {
 
 /// The benches: ratios to peers, printed as a table.
 pub fn bench(checkout: &Checkout, words: &[&str]) -> Result<(), Failure> {
-    if words.is_empty() || words.iter().any(|word| word.starts_with("repair")) {
+    if words.is_empty() || words.iter().any(|word| *word == "meshes" || word.starts_with("repair")) {
         peers::ensure_menders(checkout)?;
     }
     plugins::compile_all(checkout)?;
