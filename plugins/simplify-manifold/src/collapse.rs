@@ -114,8 +114,7 @@ impl<'a> Collapse<'a> {
 
     fn try_edge(&mut self, edge: [u32; 2]) -> bool {
         let Some(ring) = self.web.ring(edge).filter(|ring| ring.kept.len() <= CROWD) else { return false };
-        let found = self.places(edge, &ring).into_iter().find_map(|place| self.examine(edge, &ring, place));
-        let Some(found) = found else { return false };
+        let Some(found) = self.best_move(edge, &ring) else { return false };
         self.web.collapse(edge, &ring, found.place);
         ring.gone.iter().chain(&ring.kept).for_each(|&t| self.witnesses.release(t));
         found.hands.into_iter().for_each(|(witness, t)| self.witnesses.hand(witness, t));
@@ -130,33 +129,40 @@ impl<'a> Collapse<'a> {
         true
     }
 
-    /// Where the two ends could lie together, best first.
-    fn places(&self, edge: [u32; 2], ring: &Ring) -> Vec<DVec3> {
+    /// The first place, best first, where the two ends can lie together.
+    fn best_move(&self, edge: [u32; 2], ring: &Ring) -> Option<Move> {
         let room = self.base.room(&self.web, edge, ring);
         let ends = edge.map(|v| self.web.places[v as usize]);
         let sum = self.sum(edge);
         let lowest = match room {
-            Room::Nowhere => return Vec::new(),
-            Room::End(end) => return vec![ends[end]],
+            Room::Nowhere => return None,
+            Room::End(end) => return self.examine(edge, ring, ends[end]),
             Room::Plane(z) => sum.lowest_at_height(z),
             Room::Anywhere => sum.lowest(),
         };
         let better = usize::from(sum.distance_at(ends[1]) < sum.distance_at(ends[0]));
         let lowest =
             lowest.filter(|&place| is_near(place, ends)).and_then(|place| self.base.admit(place, room));
+        let within = |place: DVec3| if let Room::Plane(z) = room { place.with_z(z) } else { place };
+        let mut tried: Option<DVec3> = None;
+        let mut attempt = |place: DVec3| {
+            let same = |tried: DVec3| tried.distance(place) < 1e-3 * ends[0].distance(ends[1]);
+            if tried.is_some_and(same) {
+                return None;
+            }
+            tried = Some(place);
+            self.examine(edge, ring, place)
+        };
         // A corner of flat faces stays where it is, to the bit.
         let corner = lowest.filter(|&place| sum.distance_at(place) >= sum.distance_at(ends[better]));
-        let corner = corner.map(|_| ends[better]);
-        let lowest = lowest.into_iter().flat_map(|place| {
-            // Quadrics put vertices outside of what bulges: nearer to the surface there may be room yet.
-            let on = self.before.foot(place);
-            [place, place.lerp(on, 0.5), on]
-                .map(|place| if let Room::Plane(z) = room { place.with_z(z) } else { place })
+        let by_planes = corner.and_then(|_| attempt(ends[better]));
+        let by_planes = by_planes.or_else(|| lowest.and_then(|place| attempt(within(place))));
+        // Quadrics put vertices outside of what bulges: nearer to the surface there may be room yet.
+        let nearer = by_planes.or_else(|| {
+            let (place, on) = lowest.map(|place| (place, self.before.foot(place)))?;
+            attempt(within(place.lerp(on, 0.5))).or_else(|| attempt(within(on)))
         });
-        let mut places: Vec<DVec3> =
-            corner.into_iter().chain(lowest).chain([ends[better], ends[1 - better]]).collect();
-        places.dedup_by(|a, b| a.distance(*b) < 1e-3 * ends[0].distance(ends[1]));
-        places
+        nearer.or_else(|| attempt(ends[better])).or_else(|| attempt(ends[1 - better]))
     }
 
     /// Whether the surface stays near where it was if the ends of an edge come to lie at a place.
@@ -167,31 +173,42 @@ impl<'a> Collapse<'a> {
         if !shapes.all(|(&t, after)| keeps_shape(self.web.corners(t), *after)) {
             return None;
         }
-        let probes = || after.iter().flat_map(|corners| probes(*corners, place)).chain([place]);
-        let near = |reach: f64| probes().all(|point| self.before.nearest_within(point, reach).is_some());
-        if !near(self.witnesses.reach) {
-            return None;
-        }
         let (hands, reach) = self.hand_over(ring, &after)?;
-        (reach == self.witnesses.reach || near(reach)).then_some(Move { place, hands })
+        let stays = |(k, corners): (usize, &[DVec3; 3])| {
+            probes(*corners, place).into_iter().all(|point| self.is_near_before(point, reach, k, &hands))
+        };
+        let stays = self.is_near_before(place, reach, 0, &hands) && after.iter().enumerate().all(stays);
+        let hands = hands.into_iter().map(|(witness, k)| (witness, ring.kept[k]));
+        stays.then(|| Move { place, hands: hands.collect() })
     }
 
-    /// Who would hold each witness of a ring, and the least that any of them allows.
-    fn hand_over(&self, ring: &Ring, after: &[[DVec3; 3]]) -> Option<(Vec<(u32, u32)>, f64)> {
+    /// Whether a point lies near the surface as it came, which is first asked of where the nearest witness of a triangle stood.
+    fn is_near_before(&self, point: DVec3, reach: f64, holder: usize, hands: &[(u32, usize)]) -> bool {
+        let own = hands.iter().filter(|hand| hand.1 == holder).map(|hand| hand.0);
+        let away = |&witness: &u32| self.witnesses.all[witness as usize].place.distance_squared(point);
+        let nearest = own.min_by(|a, b| away(a).total_cmp(&away(b)));
+        let is_there = |&t: &u32| distance_to_triangle(point, self.before.corners(t)) <= reach;
+        nearest.is_some_and(|witness| self.witnesses.stood_on(witness).iter().any(is_there))
+            || self.before.nearest_within(point, reach).is_some()
+    }
+
+    /// Who of a ring would hold each of its witnesses, by number among those kept, and the least that any of them allows.
+    fn hand_over(&self, ring: &Ring, after: &[[DVec3; 3]]) -> Option<(Vec<(u32, usize)>, f64)> {
         let numbers: Vec<u32> =
             ring.gone.iter().chain(&ring.kept).flat_map(|&t| self.witnesses.held_by(t)).copied().collect();
         let allows = |&number: &u32| {
             let witness = self.witnesses.all[number as usize];
             let (holder, distance) = nearest(witness.place, after);
-            (distance <= witness.reach).then_some((number, ring.kept[holder], witness.reach))
+            (distance <= witness.reach).then_some((number, holder))
         };
         // Most of what cannot be is seen by a few.
         if numbers.iter().step_by(1 + numbers.len() / SCOUTS).any(|number| allows(number).is_none()) {
             return None;
         }
-        let hands: Vec<(u32, u32, f64)> = numbers.iter().map(allows).collect::<Option<_>>()?;
-        let least = hands.iter().map(|hand| hand.2).fold(self.witnesses.reach, f64::min);
-        Some((hands.into_iter().map(|(witness, holder, _)| (witness, holder)).collect(), least))
+        let hands: Vec<(u32, usize)> = numbers.iter().map(allows).collect::<Option<_>>()?;
+        let reaches = hands.iter().map(|hand| self.witnesses.all[hand.0 as usize].reach);
+        let least = reaches.fold(self.witnesses.reach, f64::min);
+        Some((hands, least))
     }
 }
 

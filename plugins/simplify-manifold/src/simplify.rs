@@ -1,13 +1,14 @@
 //! Collapses, then measures; where the promise is not kept, that neighbourhood gets less room and it all starts again.
 
 use crate::collapse::Collapse;
-use crate::witnesses::Witnesses;
+use crate::witnesses::{Witness, Witnesses};
 use fibar_core::artefact::mesh::TriangleMesh;
 use fibar_geometry::crossings::crossings;
 use fibar_geometry::deviation::{Deviation, deviations};
 use fibar_geometry::distance::Surface;
 use fibar_plugin::StageError;
 use glam::DVec3;
+use std::collections::BTreeMap;
 
 /// What is asked for.
 #[derive(Clone, Copy, Debug)]
@@ -55,10 +56,9 @@ pub fn simplify(
     let mut doubts: Vec<Doubt> = Vec::new();
     for rounds in 1..=ROUNDS {
         let mut witnesses = Witnesses::of(body, ROOM * wish.chord_error);
-        witnesses
-            .all
-            .iter_mut()
-            .for_each(|witness| witness.reach = reach_at(witness.place, witness.reach, &doubts));
+        let map = Map::of(&doubts);
+        let lessen = |witness: &mut Witness| witness.reach = map.reach_at(witness.place, witness.reach);
+        witnesses.all.iter_mut().for_each(lessen);
         let mesh = Collapse::of(body, &surface, witnesses).run(wish.triangles, tick)?;
         let (deviation, new) = judge(body, &surface, &mesh, wish.chord_error).map_err(refused)?;
         if new.is_empty() {
@@ -70,11 +70,39 @@ pub fn simplify(
     Ok(Simplified { mesh: body.clone(), deviation, rounds: ROUNDS })
 }
 
-/// What is allowed at a place that was doubted.
-fn reach_at(place: DVec3, reach: f64, doubts: &[Doubt]) -> f64 {
-    let near = doubts.iter().filter(|doubt| doubt.place.distance(place) <= doubt.radius).count();
-    let share = LESS.powi(near.min(100) as i32);
-    if share < LEAST { 0.0 } else { share * reach }
+/// Doubts by the cells of a grid that they reach into.
+struct Map<'a> {
+    cell: f64,
+    doubts: BTreeMap<[i64; 3], Vec<&'a Doubt>>,
+}
+
+impl Map<'_> {
+    fn of(doubts: &[Doubt]) -> Map<'_> {
+        // Twice the mean radius: most doubts reach into eight cells.
+        let cell = 2.0 * doubts.iter().map(|doubt| doubt.radius).sum::<f64>() / doubts.len().max(1) as f64;
+        let mut map = Map { cell, doubts: BTreeMap::new() };
+        for doubt in doubts {
+            let [low, high] = [-doubt.radius, doubt.radius].map(|by| map.cell_of(doubt.place + by));
+            for (x, y) in (low[0]..=high[0]).flat_map(|x| (low[1]..=high[1]).map(move |y| (x, y))) {
+                for z in low[2]..=high[2] {
+                    map.doubts.entry([x, y, z]).or_default().push(doubt);
+                }
+            }
+        }
+        map
+    }
+
+    fn cell_of(&self, place: DVec3) -> [i64; 3] {
+        (place / self.cell).to_array().map(|x| x.floor() as i64)
+    }
+
+    /// What is allowed at a place.
+    fn reach_at(&self, place: DVec3, reach: f64) -> f64 {
+        let Some(doubts) = self.doubts.get(&self.cell_of(place)) else { return reach };
+        let near = doubts.iter().filter(|doubt| doubt.place.distance(place) <= doubt.radius).count();
+        let share = LESS.powi(near.min(100) as i32);
+        if share < LEAST { 0.0 } else { share * reach }
+    }
 }
 
 /// The distance of two surfaces, and where they lie too far apart or the new one passes through itself.

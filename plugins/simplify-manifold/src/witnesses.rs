@@ -24,28 +24,46 @@ pub struct Witnesses {
     /// What is allowed where none is near, mm.
     pub reach: f64,
     held: Vec<Vec<u32>>,
+    /// Where in `sources` begins on which triangles each stood.
+    starts: Vec<u32>,
+    sources: Vec<u32>,
 }
 
 impl Witnesses {
     /// Every vertex, and points of a lattice on triangles that are larger than its spacing.
     pub fn of(mesh: &TriangleMesh, reach: f64) -> Witnesses {
-        let mut found = Witnesses { all: Vec::new(), reach, held: vec![Vec::new(); mesh.triangles.len()] };
+        let held = vec![Vec::new(); mesh.triangles.len()];
+        let mut found = Witnesses { all: Vec::new(), reach, held, starts: vec![0], sources: Vec::new() };
         let spacing = spacing(mesh);
+        let mut fans = vec![Vec::new(); mesh.vertices.len()];
+        for (t, triangle) in (0u32..).zip(&mesh.triangles) {
+            triangle.iter().for_each(|&v| fans[v as usize].push(t));
+        }
         let mut has_own = vec![false; mesh.vertices.len()];
         for t in 0..mesh.triangles.len() {
             for v in mesh.triangles[t] {
                 if !std::mem::replace(&mut has_own[v as usize], true) {
-                    found.add(Witness { place: mesh.vertices[v as usize], reach }, t);
+                    found.add(Witness { place: mesh.vertices[v as usize], reach }, t, &fans[v as usize]);
                 }
             }
-            lattice(mesh.corners(t), spacing, |place| found.add(Witness { place, reach }, t));
+            lattice(mesh.corners(t), spacing, |place| {
+                found.add(Witness { place, reach }, t, &[t as u32]);
+            });
         }
         found
     }
 
-    fn add(&mut self, witness: Witness, triangle: usize) {
+    fn add(&mut self, witness: Witness, triangle: usize, sources: &[u32]) {
         self.held[triangle].push(self.all.len() as u32);
         self.all.push(witness);
+        self.sources.extend(sources);
+        self.starts.push(self.sources.len() as u32);
+    }
+
+    /// The triangles of the surface as it came that a witness lies on.
+    pub fn stood_on(&self, witness: u32) -> &[u32] {
+        let [start, end] = [witness, witness + 1].map(|k| self.starts[k as usize] as usize);
+        &self.sources[start..end]
     }
 
     /// Who a triangle stands for.
