@@ -17,7 +17,7 @@ use crate::omit::Routing;
 use crate::params::{Effort, OnMisfit, Params};
 use crate::reroute::{self, Alone, Reroute, loss_of};
 use crate::trunks;
-use fibar_geometry::alone::{Watched, World, find};
+use fibar_geometry::alone::{Flaws, Watched, World, find};
 use fibar_geometry::course::costs::Limits;
 use fibar_geometry::course::{Course, Freedom};
 use fibar_geometry::minimise::MinimiseOptions;
@@ -332,7 +332,7 @@ fn start_again(world: &World, strands: &mut [Strand], stuck: &[usize], alone: &[
 /// Asks more of the fibres that break a limit.
 fn urge(strands: &mut [Strand], faults: &Faults, apart: f64) {
     for (strand, flaws) in strands.iter_mut().zip(&faults.flaws).filter(|(_, flaws)| !flaws.none()) {
-        strand.watched.add(flaws);
+        watch(strand, flaws);
         if flaws.lack > 0.0 && flaws.lack.is_finite() {
             strand.limits.wall_margin = (strand.limits.wall_margin + 0.5 * flaws.lack.min(0.06)).min(0.15);
             strand.limits.wall_weight = (3.0 * strand.limits.wall_weight).min(40.0);
@@ -346,6 +346,17 @@ fn urge(strands: &mut [Strand], faults: &Faults, apart: f64) {
         for k in contact.strands {
             strands[k].margin = (strands[k].margin + 0.25 * (apart - contact.distance).min(0.1)).min(0.06);
         }
+    }
+}
+
+/// Watches where a limit is broken, and what lies beside it: on a course that slides along itself a single place escapes.
+fn watch(strand: &mut Strand, flaws: &Flaws) {
+    const BESIDE: i32 = 3;
+    strand.watched.add(flaws);
+    if flaws.lack > 0.0 && flaws.lack.is_finite() {
+        let step = 1.0 / (16.0 * strand.course.points.len() as f64);
+        let beside = (-BESIDE..=BESIDE).filter(|k| *k != 0).map(|k| flaws.place + f64::from(k) * step);
+        strand.watched.walls.extend(beside.filter(|place| (0.0..=1.0).contains(place)));
     }
 }
 
