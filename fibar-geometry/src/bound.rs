@@ -343,7 +343,7 @@ mod tests {
             surface,
             &Sockets::new(hole, vec![socket]),
             keeping,
-            RoomOptions { spacing: 25.0, band: 50.0 },
+            RoomOptions { spacing: 25.0, band: 50.0, exact: f64::INFINITY },
         )
     }
 

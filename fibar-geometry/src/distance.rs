@@ -6,6 +6,7 @@
 
 mod grid;
 mod lattice;
+mod near;
 
 pub use grid::{DistanceGrid, GridOptions};
 pub use lattice::Lattice;
@@ -124,6 +125,11 @@ impl Surface {
     /// The nearest point of the surface to a finite point.
     pub fn foot(&self, point: DVec3) -> DVec3 {
         from_parry(self.mesh.project_local_point(to_parry(point), false).point)
+    }
+
+    /// How many triangles it has.
+    pub fn triangle_count(&self) -> u32 {
+        self.mesh.num_triangles() as u32
     }
 
     /// The corners of a triangle, mm.

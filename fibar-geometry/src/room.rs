@@ -28,6 +28,8 @@ pub struct RoomOptions {
     pub spacing: f64,
     /// Distances from the surface beyond this are not told apart, mm.
     pub band: f64,
+    /// Distances beyond this may be a little too large; see [`GridOptions::exact`].
+    pub exact: f64,
 }
 
 /// The room of one body.
@@ -45,8 +47,8 @@ pub const END_LEG_MM: f64 = 2.5;
 impl Room {
     /// Samples the room, on all threads of the current pool.
     pub fn new(surface: Surface, sockets: &Sockets, keeping: Keeping, options: RoomOptions) -> Room {
-        let RoomOptions { spacing, band } = options;
-        let grid = DistanceGrid::sample(&surface, GridOptions { spacing, margin: 2.0, band });
+        let RoomOptions { spacing, band, exact } = options;
+        let grid = DistanceGrid::sample(&surface, GridOptions { spacing, margin: 2.0, band, exact });
         let lattice = *grid.lattice();
         let holes = all_holes(sockets);
         let inset = keeping.radius + keeping.skin + keeping.wall;
@@ -64,6 +66,11 @@ impl Room {
     /// Slack, mm, and its gradient, between samples. As off as [`DistanceGrid`] is.
     pub fn slack(&self, place: DVec3) -> (f64, DVec3) {
         self.lattice.interpolate_linear(&self.slack, place)
+    }
+
+    /// Whether the sampled slack is certainly `least` mm or more; much quicker than asking for it.
+    pub fn surely_has(&self, place: DVec3, least: f64) -> bool {
+        self.lattice.surely_reaches(&self.slack, place, least)
     }
 
     /// Where the samples are.

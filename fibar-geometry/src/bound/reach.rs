@@ -114,7 +114,7 @@ mod tests {
         let socket = Socket { led: LedId(0), pattern: PatternId(0), position: tip, axis: DVec3::Z };
         let keeping = Keeping { radius: 1.875, skin: 0.4, wall: 0.0 };
         let surface = Surface::new(&hourglass(width)).expect("a body");
-        let options = RoomOptions { spacing: 0.5, band: 6.0 };
+        let options = RoomOptions { spacing: 0.5, band: 6.0, exact: f64::INFINITY };
         let room = Room::new(surface, &Sockets::new(hole, vec![socket]), keeping, options);
         let ends = Ends { tip, axis: DVec3::Z, marker, normal: DVec3::Z };
         assert_eq!(Reach::from(&room, tip, 1.625).reaches(ends), reaches, "{width} mm, {marker}");

@@ -164,6 +164,9 @@ impl Between {
 /// By how much sampled slack exceeds the exact one, mm; not looked at where there is plenty.
 fn sampling_error(room: &Room, place: DVec3) -> f64 {
     const PLENTY: f64 = 1.5;
+    if room.surely_has(place, PLENTY + 1e-9) {
+        return 0.0;
+    }
     let sampled = room.slack(place).0;
     if sampled > PLENTY { 0.0 } else { sampled - room.exact_slack(place, PLENTY + 1.0) }
 }
@@ -216,6 +219,9 @@ impl Gates {
     }
 
     fn lack(&self, place: DVec3, room: &Room, needed: f64, weight: f64) -> Lack {
+        if room.surely_has(place, needed) {
+            return Lack { cost: 0.0, slope: DVec3::ZERO };
+        }
         let (slack, gradient) = room.slack(place);
         let (mut lack, mut slope) = (needed - slack, -gradient);
         if lack <= 0.0 {

@@ -58,7 +58,16 @@ impl Lattice {
         (a + t.z * (b - a), slope / self.spacing)
     }
 
-    /// The same by Catmull–Rom cubics: the gradient is continuous, the error of fourth order in the spacing.
+    /// Whether the value between samples is certainly `least` or more, where samples change by no more than 1 per mm: by one corner.
+    pub fn surely_reaches(&self, samples: &[f64], place: DVec3, least: f64) -> bool {
+        const DIAGONAL: f64 = 1.733; // a little more than √3
+        let (corner, _) = self.cell(place);
+        let [nx, ny, _] = self.counts;
+        samples[(corner.z as usize * ny + corner.y as usize) * nx + corner.x as usize]
+            >= least + DIAGONAL * self.spacing
+    }
+
+    /// As [`interpolate_linear`](Self::interpolate_linear) by Catmull–Rom cubics: the gradient is continuous, the error of fourth order in the spacing.
     pub fn interpolate_cubic(&self, samples: &[f64], place: DVec3) -> (f64, DVec3) {
         self.interpolate_cubic_of(|n| samples[n], place)
     }
@@ -154,6 +163,23 @@ mod tests {
         check(Lattice::interpolate_cubic, plane, 1e-12);
         check(Lattice::interpolate_cubic, bowl, 1e-12);
         check(Lattice::interpolate_linear, bowl, 3.0 * 0.75 * 0.75 / 4.0);
+    }
+
+    #[test]
+    fn what_surely_reaches_does() {
+        let lattice = lattice();
+        let samples: Vec<f64> = (0..lattice.len()).map(|n| lattice.place(n).length()).collect();
+        let mut sure = 0;
+        for k in 0..500 {
+            let t = f64::from(k);
+            let p = DVec3::new(libm::sin(t) * 4.0, libm::sin(1.7 * t) * 5.0, libm::cos(2.3 * t) * 6.0);
+            let least = f64::from(k % 50) * 0.1;
+            if lattice.surely_reaches(&samples, p, least) {
+                assert!(lattice.interpolate_linear(&samples, p).0 >= least, "{p}: {least}");
+                sure += 1;
+            }
+        }
+        assert!(sure > 200, "{sure}");
     }
 
     #[test]

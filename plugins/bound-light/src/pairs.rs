@@ -32,7 +32,12 @@ pub fn bound(
     job.progress(0.0, "room")?;
     let surface = Surface::new(body).map_err(|e| StageError::input(format!("body: {e}")))?;
     let keeping = Keeping { radius: params.fibre_radius_mm, skin: params.skin_mm, wall: params.wall_mm };
-    let room = Room::new(surface, sockets, keeping, RoomOptions { spacing: params.grid_mm, band: 6.0 });
+    let room = Room::new(
+        surface,
+        sockets,
+        keeping,
+        RoomOptions { spacing: params.grid_mm, band: 6.0, exact: f64::INFINITY },
+    );
     let passages = Passages::of(&room, params.search_mm);
     let ways: Vec<Option<Ways>> =
         sockets.sockets.par_iter().map(|s| passages.from(s.position + 4.0 * s.axis, 0.0, &|_| 0.0)).collect();

@@ -21,7 +21,8 @@ impl Interior {
     pub fn of(body: &TriangleMesh, params: &Params) -> Result<Interior, StageError> {
         let surface = Surface::new(body).map_err(|e| StageError::input(format!("body: {e}")))?;
         check_size(&surface, params.grid_mm)?;
-        let options = GridOptions { spacing: params.grid_mm, margin: 2.0, band: f64::INFINITY };
+        let options =
+            GridOptions { spacing: params.grid_mm, margin: 2.0, band: f64::INFINITY, exact: f64::INFINITY };
         let grid = DistanceGrid::sample(&surface, options);
         Ok(Interior { surface, grid, least_depth: params.least_depth_mm })
     }

@@ -87,7 +87,7 @@ impl Task {
 
     fn room(&self, params: &Params) -> Result<Room, StageError> {
         let surface = Surface::new(&self.body).map_err(|e| StageError::input(format!("body: {e}")))?;
-        let options = RoomOptions { spacing: params.grid_mm, band: 6.0 };
+        let options = RoomOptions { spacing: params.grid_mm, band: 6.0, exact: params.grid_mm };
         Ok(Room::new(surface, &self.sockets, params.keeping(), options))
     }
 

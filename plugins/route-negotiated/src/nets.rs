@@ -163,7 +163,7 @@ mod tests {
         let pattern = |id| Pattern { id: PatternId(id), bits: vec![true] };
         let constellation = Constellation::new(350.0, vec![pattern(1), pattern(2)], markers);
         let keeping = Keeping { radius: 1.875, skin: 0.4, wall: 0.05 };
-        let options = RoomOptions { spacing: 1.0, band: 6.0 };
+        let options = RoomOptions { spacing: 1.0, band: 6.0, exact: f64::INFINITY };
         let room = Room::new(Surface::new(&block(height)).unwrap(), &sockets, keeping, options);
         let rules = Rules { marker_tolerance: 0.5, apart: 3.85 };
         of(&sockets, &constellation, &room, &rules).map_err(|e| e.to_string())

@@ -199,7 +199,7 @@ impl Params {
     pub fn alone(&self) -> (usize, AloneOptions) {
         match self.effort {
             Effort::Quick => (1, AloneOptions { span: 9.0, iterations: 60, rounds: 6, least_gain: 1e-5 }),
-            Effort::Normal => (2, AloneOptions { span: 7.5, iterations: 100, rounds: 6, least_gain: 1e-5 }),
+            Effort::Normal => (1, AloneOptions { span: 7.5, iterations: 100, rounds: 6, least_gain: 1e-5 }),
             Effort::Thorough => {
                 (usize::MAX, AloneOptions { span: 6.0, iterations: 400, rounds: 8, least_gain: 1e-5 })
             }

@@ -54,8 +54,12 @@ pub fn places(body: &TriangleMesh, base: &Base, params: &Params) -> Result<Vec<D
     let radii = LayerRadii::TONE_2020;
     let keeping = Keeping { radius: radii.black, skin: SKIN_THICKNESS_MM, wall: 0.0 };
     let hole = Hole { diameter_mm: params.hole_diameter_mm, depth_mm: params.depth_mm };
-    let room =
-        Room::new(surface, &Sockets::new(hole, vec![]), keeping, RoomOptions { spacing: 2.0, band: 6.0 });
+    let room = Room::new(
+        surface,
+        &Sockets::new(hole, vec![]),
+        keeping,
+        RoomOptions { spacing: 2.0, band: 6.0, exact: f64::INFINITY },
+    );
     let tables = Tables::all();
     let world = World {
         room: &room,
