@@ -34,7 +34,7 @@ pub fn run() {
         let spacing = spacing_mm(markers);
         let recipe = Recipe::read(&checkout().join("recipes/bunny.toml"))
             .map(|recipe| crowded(recipe, markers, spacing));
-        let outcome = recipe.and_then(|recipe| measure(&format!("bunny-{markers}"), recipe));
+        let outcome = recipe.and_then(|recipe| measure(&format!("bunny-{markers}"), recipe, &[]));
         print_row(&format!("{markers}, {spacing:.1}"), &outcome, &COLUMNS);
     }
 }

@@ -27,7 +27,7 @@ pub fn run() {
         let recipe = Recipe::read(&checkout().join("recipes/hourglass.toml"));
         let parameters = format!("{{ neck_mm = {neck:.1} }}");
         let recipe = recipe.map(|recipe| recipe.set("source-build123d", "parameters", &parameters));
-        let outcome = recipe.and_then(|recipe| measure(&format!("hourglass-{neck}"), recipe));
+        let outcome = recipe.and_then(|recipe| measure(&format!("hourglass-{neck}"), recipe, &[]));
         print_row(&format!("{neck}"), &outcome, &COLUMNS);
     }
 }

@@ -1,6 +1,6 @@
 //! One chain built as far as its routes, and what the verifiers say of them.
 
-use super::router;
+use super::router::{self, Words};
 use crate::recipe::Recipe;
 use fibar_tests::{checkout, executables};
 use serde_json::Value;
@@ -21,11 +21,14 @@ pub type Column = (&'static str, &'static str, usize);
 
 /// Builds what routing and its measures need of a recipe, in the checkout's store: chains share what they
 /// have in common, and a second bench runs nothing again but the router, for its time.
-pub fn measure(name: &str, recipe: Recipe) -> Result<Measured, String> {
-    let recipe = recipe.for_routing();
+pub fn measure(name: &str, recipe: Recipe, words: Words) -> Result<Measured, String> {
+    let router = recipe.router().to_owned();
+    let worded =
+        |recipe: Recipe, (key, value): &(&str, &str)| recipe.set(&router, key, &format!("{value:?}"));
+    let recipe = words.iter().fold(recipe.for_routing(), worded);
     let inputs = build(&format!("{name}-inputs"), recipe.clone().before_route())?;
     let alone = folder().join("alone").join(name);
-    let (seconds, refusal) = router::run(recipe.router(), &inputs, &alone)?;
+    let (seconds, refusal) = router::run(&router, words, &inputs, &alone)?;
     if refusal.is_some() {
         return Ok(Measured { metrics: Value::Null, seconds, refusal });
     }

@@ -10,13 +10,23 @@ use std::process::{Command, Output};
 const INPUTS: [(&str, &str); 3] =
     [("body", "body.ply"), ("sockets", "sockets.json"), ("constellation", "constellation.json")];
 
-/// Runs a router with its defaults on one thread; processor seconds, and its reason if it refuses.
-pub fn run(plugin: &str, built: &Path, out: &Path) -> Result<(Option<f64>, Option<String>), String> {
+/// Words that a router is given beside its defaults: parameter and value.
+pub type Words<'a> = &'a [(&'a str, &'a str)];
+
+/// Runs a router on one thread; processor seconds, and its reason if it refuses.
+pub fn run(
+    plugin: &str,
+    words: Words,
+    built: &Path,
+    out: &Path,
+) -> Result<(Option<f64>, Option<String>), String> {
     let _ = std::fs::remove_dir_all(out);
     std::fs::create_dir_all(out).map_err(|e| e.to_string())?;
     let port = |(port, file): (&str, &str)| (port.to_owned(), json!([{ "path": built.join(file) }]));
     let inputs: serde_json::Map<String, Value> = INPUTS.map(port).into_iter().collect();
-    let request = json!({ "params": {}, "inputs": inputs, "out_dir": out, "seed": 0, "threads": 1 });
+    let params: serde_json::Map<String, Value> =
+        words.iter().map(|(key, value)| ((*key).to_owned(), json!(value))).collect();
+    let request = json!({ "params": params, "inputs": inputs, "out_dir": out, "seed": 0, "threads": 1 });
     let path = out.with_extension("request.json");
     std::fs::write(&path, request.to_string()).map_err(|e| e.to_string())?;
     let before = cpu::children_seconds();
