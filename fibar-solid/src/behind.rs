@@ -4,7 +4,7 @@
 //! around a corner that is convex or nearly flat; behind any other, a polyhedral ball. Neighbouring hulls overlap, so that rounding leaves no gaps.
 
 use crate::ball::ball_corners;
-use crate::layer::unit_normal;
+use crate::miter::unit_normal;
 use crate::{Solid, SolidError};
 use fibar_core::artefact::mesh::TriangleMesh;
 use glam::DVec3;

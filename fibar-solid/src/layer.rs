@@ -12,12 +12,12 @@
 //! leave the cells: not through an inner triangle, as all of those are at least the depth away from the whole surface, and not through a
 //! side wall, which is too far away. Otherwise the triangles at q are among those in [`Layer::rest`].
 
-use crate::miter::miter;
+use crate::miter::{miter, unit_normal};
 use crate::nearness::nearer;
-use crate::twins::{Twins, sides_of};
 use fibar_core::artefact::mesh::TriangleMesh;
 use fibar_geometry::crossings::crossings;
 use fibar_geometry::distance::Surface;
+use fibar_geometry::half_edges::twins;
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -39,7 +39,7 @@ const ROUNDING: f64 = 1e-10;
 impl Layer {
     /// The layer under a closed mesh whose triangles share vertices by index and do not cross.
     pub fn under(mesh: &TriangleMesh, depth: f64) -> Layer {
-        let twins = Twins::of(mesh);
+        let twins = twins(mesh);
         let Ok(surface) = Surface::unsigned(mesh) else {
             return Layer { cells: TriangleMesh::default(), rest: Vec::new() };
         };
@@ -82,11 +82,6 @@ fn partners(mesh: &TriangleMesh, surface: &Surface, depth: f64) -> Vec<Option<DV
     around.par_iter().zip(&mesh.vertices).map(partner).collect()
 }
 
-/// Zero for a triangle without area.
-pub fn unit_normal([a, b, c]: [DVec3; 3]) -> DVec3 {
-    (b - a).cross(c - a).normalize_or_zero()
-}
-
 fn inner(mesh: &TriangleMesh, partners: &[Option<DVec3>], triangle: usize) -> Option<[DVec3; 3]> {
     let [a, b, c] = mesh.triangles[triangle].map(|v| partners[v as usize]);
     Some([a?, b?, c?])
@@ -111,13 +106,18 @@ fn too_near(mesh: &TriangleMesh, partners: &[Option<DVec3>], is_sound: &[bool], 
     near.into_iter().map(|k| sound[k]).collect()
 }
 
+/// The triangle across a side of another; a solid's surface is closed, so that there is one.
+fn across(twins: &[u32], triangle: usize, side: usize) -> usize {
+    twins[3 * triangle + side] as usize / 3
+}
+
 /// Drops triangles until those that are left around a vertex are one fan: around another, walls would meet in one line.
-fn drop_pinches(mesh: &TriangleMesh, twins: &Twins, is_sound: &mut [bool]) {
+fn drop_pinches(mesh: &TriangleMesh, twins: &[u32], is_sound: &mut [bool]) {
     loop {
         let mut begins = vec![0u32; mesh.vertices.len()];
         for t in (0..is_sound.len()).filter(|&t| is_sound[t]) {
             for (side, &vertex) in mesh.triangles[t].iter().enumerate() {
-                begins[vertex as usize] += u32::from(!is_sound[twins.across(t, side)]);
+                begins[vertex as usize] += u32::from(!is_sound[across(twins, t, side)]);
             }
         }
         let is_pinched =
@@ -138,7 +138,7 @@ struct Cells {
 }
 
 impl Cells {
-    fn of(mesh: &TriangleMesh, partners: &[Option<DVec3>], is_sound: &[bool], twins: &Twins) -> Cells {
+    fn of(mesh: &TriangleMesh, partners: &[Option<DVec3>], is_sound: &[bool], twins: &[u32]) -> Cells {
         let behind = mesh.vertices.len() as u32;
         let mut cells = Cells { mesh: mesh.clone(), owners: (0..mesh.triangles.len() as u32).collect() };
         let places = partners.iter().zip(&mesh.vertices).map(|(partner, vertex)| partner.unwrap_or(*vertex));
@@ -146,8 +146,8 @@ impl Cells {
         for t in (0..is_sound.len()).filter(|&t| is_sound[t]) {
             let [a, b, c] = mesh.triangles[t];
             cells.push(t, [a + behind, c + behind, b + behind]);
-            for (side, [a, b]) in sides_of(mesh.triangles[t]).into_iter().enumerate() {
-                if !is_sound[twins.across(t, side)] {
+            for (side, [a, b]) in [[a, b], [b, c], [c, a]].into_iter().enumerate() {
+                if !is_sound[across(twins, t, side)] {
                     cells.push(t, [b, a, a + behind]);
                     cells.push(t, [b, a + behind, b + behind]);
                 }
@@ -172,34 +172,18 @@ impl Cells {
     }
 
     /// Without the triangles of the surface that have no cell, and vertices that nothing needs.
-    fn alone(self, outer: usize, is_sound: &[bool]) -> TriangleMesh {
+    fn alone(&self, outer: usize, is_sound: &[bool]) -> TriangleMesh {
         let kept = |(t, triangle): (usize, [u32; 3])| (t >= outer || is_sound[t]).then_some(triangle);
-        let triangles = self.mesh.triangles.into_iter().enumerate().filter_map(kept).collect();
-        without_strays(TriangleMesh { vertices: self.mesh.vertices, triangles })
+        let triangles = self.mesh.triangles.iter().copied().enumerate().filter_map(kept);
+        self.mesh.part(&triangles.collect::<Vec<_>>())
     }
-}
-
-fn without_strays(mesh: TriangleMesh) -> TriangleMesh {
-    let mut numbers = vec![u32::MAX; mesh.vertices.len()];
-    let mut vertices = Vec::new();
-    let mut number = |v: u32| {
-        let number = &mut numbers[v as usize];
-        if *number == u32::MAX {
-            *number = vertices.len() as u32;
-            vertices.push(mesh.vertices[v as usize]);
-        }
-        *number
-    };
-    let triangles = mesh.triangles.iter().map(|triangle| triangle.map(&mut number)).collect();
-    TriangleMesh { vertices, triangles }
 }
 
 /// The triangles with a point that is within the depth and the longest partner of one that has no cell.
 fn rest(mesh: &TriangleMesh, partners: &[Option<DVec3>], is_sound: &[bool], depth: f64) -> Vec<usize> {
     let without = |t: &usize| !is_sound[*t];
-    let missing = (0..is_sound.len()).filter(without).map(|t| mesh.triangles[t]).collect();
-    let missing = TriangleMesh { vertices: mesh.vertices.clone(), triangles: missing };
-    let Ok(surface) = Surface::unsigned(&missing) else { return Vec::new() };
+    let missing: Vec<[u32; 3]> = (0..is_sound.len()).filter(without).map(|t| mesh.triangles[t]).collect();
+    let Ok(surface) = Surface::unsigned(&mesh.part(&missing)) else { return Vec::new() };
     let lengths =
         partners.iter().zip(&mesh.vertices).filter_map(|(partner, v)| Some(partner.as_ref()?.distance(*v)));
     let reach = (depth + lengths.fold(0.0, f64::max)) * (1.0 + ROUNDING);

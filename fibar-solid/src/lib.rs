@@ -13,7 +13,6 @@ mod layer;
 mod miter;
 mod nearness;
 mod tube;
-mod twins;
 
 mod elbow;
 mod polyline;

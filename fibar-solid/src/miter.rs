@@ -7,6 +7,11 @@ const MOST: usize = 20;
 /// Normals nearer than this are one.
 const SAME: f64 = 1e-12;
 
+/// Unit normal, outward; zero for a triangle without area.
+pub fn unit_normal([a, b, c]: [DVec3; 3]) -> DVec3 {
+    (b - a).cross(c - a).normalize_or_zero()
+}
+
 /// The shortest vector `m` with `n · m ≥ 1` for all unit normals: the axis of the least cone that holds them, over the cosine of its
 /// half angle. `None` if there is none, or too many normals to tell.
 pub fn miter(normals: &[DVec3]) -> Option<DVec3> {

@@ -1,6 +1,6 @@
 //! Which triangles are nearer to a surface than they may be.
 
-use crate::layer::unit_normal;
+use crate::miter::unit_normal;
 use fibar_core::artefact::mesh::TriangleMesh;
 use fibar_geometry::distance::distance_to_triangle;
 use fibar_geometry::overlaps::{LooseBox, overlaps};

@@ -47,17 +47,27 @@ impl TriangleMesh {
     /// triangles shrinks to a third; nothing is snapped or left out.
     pub fn indexed(&self) -> TriangleMesh {
         let first = places::first_at_place(&self.vertices);
+        self.renumbered(&self.triangles, |v| first[v as usize])
+    }
+
+    /// Some triangles that index the vertices of this mesh, with those vertices alone that they need, in the order of their first use.
+    pub fn part(&self, triangles: &[[u32; 3]]) -> TriangleMesh {
+        self.renumbered(triangles, |v| v)
+    }
+
+    /// Triangles with another vertex for each, numbered in the order of their first use.
+    fn renumbered(&self, triangles: &[[u32; 3]], instead: impl Fn(u32) -> u32) -> TriangleMesh {
         let mut numbers = vec![u32::MAX; self.vertices.len()];
-        let mut vertices = Vec::with_capacity(self.triangles.len() / 2 + 2);
+        let mut vertices = Vec::with_capacity(self.vertices.len().min(triangles.len() / 2 + 2));
         let mut number = |v: u32| {
-            let number = &mut numbers[first[v as usize] as usize];
-            if *number == u32::MAX {
-                *number = vertices.len() as u32;
-                vertices.push(self.vertices[v as usize]);
+            let v = instead(v) as usize;
+            if numbers[v] == u32::MAX {
+                numbers[v] = vertices.len() as u32;
+                vertices.push(self.vertices[v]);
             }
-            *number
+            numbers[v]
         };
-        let triangles = self.triangles.iter().map(|t| t.map(&mut number)).collect();
+        let triangles = triangles.iter().map(|t| t.map(&mut number)).collect();
         TriangleMesh { vertices, triangles }
     }
 

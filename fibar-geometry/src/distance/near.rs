@@ -80,7 +80,7 @@ pub fn sample(surface: &Surface, lattice: &Lattice, bands: Bands) -> Vec<f64> {
 fn spread(facets: &[Facet], lattice: &Lattice, band: f64, found: &mut [Found]) {
     let [nx, ny, nz] = lattice.counts;
     let mut front: Vec<usize> = (0..found.len()).filter(|&n| found[n].facet != NOTHING).collect();
-    let mut round = vec![u8::from(false); found.len()];
+    let mut round = vec![0u8; found.len()];
     front.iter().for_each(|&n| round[n] = 1);
     found.iter_mut().filter(|found| found.facet == NOTHING).for_each(|found| found.square = band * band);
     for now in 2..u8::MAX {

@@ -116,7 +116,7 @@ fn close_holes(mesh: &TriangleMesh, limits: Limits, fate: &mut Fate) -> Result<S
 /// The mesh itself, welded, if it needs no repair: most do not, and to prove that takes less than to look for what to mend.
 fn close_sound(soup: &TriangleMesh, fate: &mut Fate) -> Option<TriangleMesh> {
     // What is sound has no triangle that collapses, stands twice or back to back.
-    let welded = weld::with_shared_places(soup);
+    let welded = soup.indexed();
     let volume = volume::signed_volume(&welded);
     if volume <= 0.0 || !sound::is_sound(&welded) {
         return None;
@@ -186,7 +186,7 @@ fn union_of(
 fn alone<'a>(mesh: &TriangleMesh, shells: impl IntoIterator<Item = &'a Shell>) -> TriangleMesh {
     let triangles =
         shells.into_iter().flat_map(|shell| &shell.triangles).map(|&t| mesh.triangles[t as usize]);
-    weld::with_used_vertices(TriangleMesh { vertices: mesh.vertices.clone(), triangles: triangles.collect() })
+    mesh.part(&triangles.collect::<Vec<_>>())
 }
 
 /// What a shell encloses, a cavity as if it were a body.

@@ -61,11 +61,6 @@ pub fn half_edges(mesh: &TriangleMesh) -> impl Iterator<Item = [u32; 2]> {
     mesh.triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]])
 }
 
-/// The next half-edge around the same triangle.
-pub fn next(half_edge: u32) -> u32 {
-    if half_edge % 3 == 2 { half_edge - 2 } else { half_edge + 1 }
-}
-
 /// The vertex that a half-edge starts from.
 pub fn origin(mesh: &TriangleMesh, half_edge: u32) -> u32 {
     mesh.triangles[half_edge as usize / 3][half_edge as usize % 3]
@@ -74,6 +69,7 @@ pub fn origin(mesh: &TriangleMesh, half_edge: u32) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use fibar_geometry::half_edges::next;
     use glam::DVec3;
 
     #[test]

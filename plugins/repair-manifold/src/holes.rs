@@ -6,9 +6,10 @@
 use crate::bulge::{Stars, bulge};
 use crate::cap::cap;
 use crate::drawing::{Plane, fill, is_inside};
-use crate::edges::{next, origin};
-use crate::sheets::{OPEN, Sheets};
+use crate::edges::origin;
+use crate::sheets::Sheets;
 use fibar_core::artefact::mesh::TriangleMesh;
+use fibar_geometry::half_edges::{OPEN, next};
 use glam::{DVec2, DVec3};
 
 /// A hole in a sheet.

@@ -222,9 +222,7 @@ fn displacement(places: &[DVec3], mesh: &TriangleMesh) -> f64 {
         })
     };
     let near = (0..mesh.triangles.len()).filter(is_near).map(|t| mesh.triangles[t]).collect::<Vec<_>>();
-    let near =
-        crate::weld::with_used_vertices(TriangleMesh { vertices: mesh.vertices.clone(), triangles: near });
-    farthest(places.iter().copied(), &near)
+    farthest(places.iter().copied(), &mesh.part(&near))
 }
 
 #[cfg(test)]

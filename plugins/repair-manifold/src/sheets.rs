@@ -4,12 +4,10 @@
 //! between them (Guéziec et al. 2001, "Cutting and stitching"): bodies that touch along an edge come apart there. A vertex where
 //! several fans meet becomes several vertices at the same place. No place changes.
 
-use crate::edges::{Edges, Use, next, origin};
+use crate::edges::{Edges, Use, origin};
 use fibar_core::artefact::mesh::TriangleMesh;
+use fibar_geometry::half_edges::{OPEN, next};
 use glam::DVec3;
-
-/// No twin: the rim of a hole.
-pub const OPEN: u32 = u32::MAX;
 
 /// A mesh in sheets.
 pub struct Sheets {

@@ -65,12 +65,11 @@ mod tests {
     use super::*;
     use crate::fixture::{ball, block, inverted, moved, octahedron, together};
     use crate::orientation::turn;
-    use crate::weld::with_shared_places;
 
     #[test]
     fn only_one_closed_surface_is_sound() {
         let check = |mesh: &TriangleMesh, expected: bool| {
-            let mesh = with_shared_places(mesh);
+            let mesh = mesh.indexed();
             assert_eq!(is_one_surface(&mesh, &twins(&mesh)), expected, "{mesh:?}");
         };
         check(&ball(10.0, 8), true);

@@ -22,41 +22,7 @@ pub fn weld(mesh: &TriangleMesh) -> Welded {
     let degenerate = mesh.triangles.len() - triangles.len();
     let single = without_duplicates(&triangles);
     let duplicate = triangles.len() - single.len();
-    let mesh = TriangleMesh { vertices: mesh.vertices.clone(), triangles: single };
-    Welded { mesh: with_used_vertices(mesh), degenerate, duplicate }
-}
-
-/// All triangles, with vertices at the same place as one and none unused.
-pub fn with_shared_places(mesh: &TriangleMesh) -> TriangleMesh {
-    let first = first_at_place(&mesh.vertices);
-    let mut numbers = vec![u32::MAX; mesh.vertices.len()];
-    let mut vertices = Vec::with_capacity(mesh.vertices.len().min(mesh.triangles.len() / 2 + 2));
-    let mut number = |v: u32| {
-        let v = first[v as usize] as usize;
-        if numbers[v] == u32::MAX {
-            numbers[v] = vertices.len() as u32;
-            vertices.push(mesh.vertices[v]);
-        }
-        numbers[v]
-    };
-    let triangles = mesh.triangles.iter().map(|t| t.map(&mut number)).collect();
-    TriangleMesh { vertices, triangles }
-}
-
-/// The same triangles; vertices are numbered anew in the order of their first use.
-pub fn with_used_vertices(mesh: TriangleMesh) -> TriangleMesh {
-    let mut numbers = vec![u32::MAX; mesh.vertices.len()];
-    let mut vertices = Vec::new();
-    let mut number = |v: u32| {
-        let number = &mut numbers[v as usize];
-        if *number == u32::MAX {
-            *number = vertices.len() as u32;
-            vertices.push(mesh.vertices[v as usize]);
-        }
-        *number
-    };
-    let triangles = mesh.triangles.iter().map(|t| t.map(&mut number)).collect();
-    TriangleMesh { vertices, triangles }
+    Welded { mesh: mesh.part(&single), degenerate, duplicate }
 }
 
 /// Whether a triangle has a corner twice.

@@ -16,6 +16,7 @@ use fibar_geometry::course::Freedom;
 use fibar_geometry::course::nodes::Tables;
 use fibar_geometry::distance::Surface;
 use fibar_geometry::optics::Absorption;
+use fibar_geometry::passage::Passages;
 use fibar_geometry::room::{Room, RoomOptions};
 use fibar_plugin::{Job, StageError};
 use std::collections::BTreeSet;
@@ -72,9 +73,10 @@ impl Task {
             },
             min_bend_radius: params.min_bend_radius_mm,
         };
+        let passages = OnceLock::new();
         let outcome = match &self.earlier {
-            None => negotiate::route(&world, &OnceLock::new(), &nets, params, job)?,
-            Some(earlier) => route_from(earlier, &world, &nets, params, job)?,
+            None => negotiate::route(&world, &passages, &nets, params, job)?,
+            Some(earlier) => route_from(earlier, (&world, &passages), &nets, params, job)?,
         };
         Ok(Routed { nets, outcome, params: params.clone() })
     }
@@ -100,7 +102,7 @@ impl Task {
 /// Routes what the earlier routes do not fit.
 fn route_from(
     earlier: &Routes,
-    world: &World,
+    (world, passages): (&World, &OnceLock<Passages>),
     nets: &[Net],
     params: &Params,
     job: &mut Job,
@@ -109,9 +111,9 @@ fn route_from(
     let outcome = if courses.iter().all(Option::is_none) {
         let why = earlier::why_none(earlier, params);
         job.log("warn", &format!("no fibre of the earlier routes fits, all are routed anew: {why}"));
-        negotiate::route(world, &OnceLock::new(), nets, params, job)?
+        negotiate::route(world, passages, nets, params, job)?
     } else {
-        warm::route(world, &OnceLock::new(), nets, courses, params, job)?
+        warm::route(world, passages, nets, courses, params, job)?
     };
     let (kept, all) = (outcome.kept, outcome.courses.len());
     job.log(
