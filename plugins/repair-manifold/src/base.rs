@@ -8,8 +8,8 @@ use glam::DVec3;
 /// Coordinates this close to the plane of the cut are rounding, mm; they become 0.
 const ROUNDING_MM: f64 = 1e-9;
 
-/// Cuts `flatten_mm` off the bottom of a closed mesh and moves the rest; centred by its bounding box.
-pub fn seat(closed: TriangleMesh, flatten_mm: f64) -> Result<TriangleMesh, StageError> {
+/// Cuts `flatten_mm` off the bottom of a closed mesh and moves the rest; centred by its bounding box. With it how far it moved, mm.
+pub fn seat(closed: TriangleMesh, flatten_mm: f64) -> Result<(TriangleMesh, DVec3), StageError> {
     let (low, high) = closed.bounds().ok_or_else(|| StageError::input("the mesh encloses no volume"))?;
     let height = high.z - low.z;
     if flatten_mm >= height {
@@ -26,8 +26,8 @@ pub fn seat(closed: TriangleMesh, flatten_mm: f64) -> Result<TriangleMesh, Stage
     Ok(centre(cut.and_then(|cut| cut.to_mesh()).map_err(internal)?))
 }
 
-/// Moves a body onto the table, centred by its bounding box.
-pub fn centre(mut mesh: TriangleMesh) -> TriangleMesh {
+/// Moves a body onto the table, centred by its bounding box; with how far, mm.
+fn centre(mut mesh: TriangleMesh) -> (TriangleMesh, DVec3) {
     let (low, high) = mesh.bounds().unwrap_or_default();
     let origin = ((low + high) * 0.5).with_z(low.z);
     for vertex in &mut mesh.vertices {
@@ -36,7 +36,7 @@ pub fn centre(mut mesh: TriangleMesh) -> TriangleMesh {
             vertex.z = 0.0;
         }
     }
-    mesh
+    (mesh, -origin)
 }
 
 fn internal(error: SolidError) -> StageError {
@@ -55,14 +55,15 @@ mod tests {
                 .into();
         let solid = Solid::hull(&corners).unwrap();
         let mesh = solid.to_mesh().unwrap();
-        let body = seat(mesh.clone(), 4.0).unwrap();
+        let (body, moved) = seat(mesh.clone(), 4.0).unwrap();
         let (low, high) = body.bounds().unwrap();
         assert!(low.z == 0.0 && (high.z - 8.0).abs() < 1e-12);
         assert!(((low + high).truncate()).length() < 1e-12);
+        assert!((moved.z + 7.0).abs() < 1e-12);
         assert!(body.vertices.iter().filter(|v| v.z == 0.0).count() >= 3);
         let cut = Solid::from_mesh(&body).unwrap();
         assert!(cut.volume() < solid.volume() && cut.volume() > 0.3 * solid.volume());
         assert!(seat(mesh.clone(), 12.5).unwrap_err().to_string().contains("leaves nothing"));
-        assert_eq!(seat(mesh, 0.0).unwrap().bounds().unwrap().1.z, 12.0);
+        assert_eq!(seat(mesh, 0.0).unwrap().0.bounds().unwrap().1.z, 12.0);
     }
 }

@@ -8,7 +8,7 @@ use crate::holes::{Hole, close_all, holes};
 use crate::nesting::{Nesting, Shell};
 use crate::sheets::Sheets;
 use crate::tangles::{Tangled, untangle};
-use crate::{orientation, scuffs, seams, sight, sound, volume, walls, weld};
+use crate::{orientation, relief, scuffs, seams, sight, sound, volume, walls, weld};
 use fibar_core::artefact::mesh::TriangleMesh;
 use fibar_geometry::crossings::{Crossing, crossings};
 use fibar_solid::{Solid, SolidError};
@@ -50,10 +50,46 @@ pub fn close(soup: &TriangleMesh, limits: Limits, fate: &mut Fate) -> Result<Tri
     if let Some(sound) = close_sound(soup, fate) {
         return Ok(sound);
     }
-    let mut mesh = settle(soup, limits, fate);
-    let sheets = close_holes(&mesh, limits, fate)?;
-    mesh = sheets.mesh.clone();
-    let nesting = Nesting::of(&sheets, &mut mesh);
+    let open = Sheets::of(&settle(soup, limits, fate));
+    if open.is_closed() {
+        return solidify(&open, None, fate);
+    }
+    let holes = holes_within(&open, limits)?;
+    let mut sketch = fate.clone();
+    let closed = close_holes(&open.mesh, &holes, &mut sketch)?;
+    let found = crossings(&closed.mesh);
+    let caps = open.mesh.triangles.len() as u32;
+    if found.iter().any(|crossing| crossing.triangles[1] >= caps)
+        && let Some(solid) = solidify_relief(&open, &holes, fate)
+    {
+        return Ok(solid);
+    }
+    *fate = sketch;
+    solidify(&closed, Some(found), fate)
+}
+
+/// The solid of sheets that stand on flat backs, if they can.
+fn solidify_relief(open: &Sheets, holes: &[Hole], fate: &mut Fate) -> Option<TriangleMesh> {
+    let relief = relief::stand(open, holes)?;
+    let sheets = Sheets::of(&relief.mesh);
+    let mut sketch = fate.clone();
+    sketch.backs_added = relief.backs;
+    sketch.holes_closed = relief.caps;
+    sketch.cap_area =
+        volume::area_of(&sheets.mesh, open.mesh.triangles.len() as u32..sheets.mesh.triangles.len() as u32);
+    let solid = sheets.is_closed().then(|| solidify(&sheets, None, &mut sketch).ok())??;
+    *fate = sketch;
+    Some(solid)
+}
+
+/// What closed sheets enclose, of which the crossings may be known.
+fn solidify(
+    sheets: &Sheets,
+    found: Option<Vec<Crossing>>,
+    fate: &mut Fate,
+) -> Result<TriangleMesh, Obstacle> {
+    let mut mesh = sheets.mesh.clone();
+    let nesting = Nesting::of(sheets, &mut mesh);
     fate.shells = nesting.shells.len();
     fate.shells_turned = nesting.turned;
     fate.flat_shells_removed = nesting.flat;
@@ -61,7 +97,8 @@ pub fn close(soup: &TriangleMesh, limits: Limits, fate: &mut Fate) -> Result<Tri
     if nesting.shells.is_empty() {
         return Err(Obstacle::Nothing);
     }
-    let found = crossings(&mesh);
+    // Without the flat ones the triangles have other numbers.
+    let found = found.filter(|_| nesting.flat == 0).unwrap_or_else(|| crossings(&mesh));
     fate.crossings = found.len();
     let Some(smoothed) = scuffs::smooth(&mesh, &found) else {
         return unite(mesh, &nesting.shells, &found, fate);
@@ -94,21 +131,21 @@ fn settle(soup: &TriangleMesh, limits: Limits, fate: &mut Fate) -> TriangleMesh 
     mesh
 }
 
-fn close_holes(mesh: &TriangleMesh, limits: Limits, fate: &mut Fate) -> Result<Sheets, Obstacle> {
-    let sheets = Sheets::of(mesh);
-    if sheets.is_closed() {
-        return Ok(sheets);
-    }
-    let found = holes(&sheets);
+/// The holes of open sheets, if none is too wide.
+fn holes_within(sheets: &Sheets, limits: Limits) -> Result<Vec<Hole>, Obstacle> {
+    let found = holes(sheets);
     let widest = found.iter().max_by(|a, b| a.radius.total_cmp(&b.radius));
     if let Some(hole) = widest.filter(|hole| hole.radius > limits.largest_hole_mm) {
         return Err(Obstacle::Hole { count: found.len(), middle: hole.middle, radius: hole.radius });
     }
-    let mut closed = sheets.mesh;
     // A rim of two half-edges closes by pairing them: there is no hole.
-    let found: Vec<Hole> = found.into_iter().filter(|hole| hole.rim.len() > 2).collect();
-    fate.cap_area = close_all(&found, &mut closed);
-    fate.holes_closed = found.len();
+    Ok(found.into_iter().filter(|hole| hole.rim.len() > 2).collect())
+}
+
+fn close_holes(open: &TriangleMesh, holes: &[Hole], fate: &mut Fate) -> Result<Sheets, Obstacle> {
+    let mut closed = open.clone();
+    fate.cap_area = close_all(holes, &mut closed);
+    fate.holes_closed = holes.len();
     let sheets = Sheets::of(&closed);
     if sheets.is_closed() { Ok(sheets) } else { Err(Obstacle::Edges(Census::of(&closed))) }
 }

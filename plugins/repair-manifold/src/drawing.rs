@@ -21,8 +21,13 @@ impl Plane {
         let next = ring.iter().cycle().skip(1);
         let area = ring.iter().zip(next).map(|(a, b)| (a - origin).cross(b - origin)).sum::<DVec3>() / 2.0;
         let normal = area.try_normalize()?;
+        Some((Plane::across(origin, normal), area.length()))
+    }
+
+    /// Through a point, across a unit normal.
+    pub fn across(origin: DVec3, normal: DVec3) -> Plane {
         let (right, up) = normal.any_orthonormal_pair();
-        Some((Plane { origin, normal, right, up }, area.length()))
+        Plane { origin, normal, right, up }
     }
 
     /// Place in the plane, and height above it, mm.

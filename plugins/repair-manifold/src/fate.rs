@@ -19,7 +19,9 @@ pub struct Fate {
     pub walls_removed: usize,
     /// Holes closed.
     pub holes_closed: usize,
-    /// Area of the caps.
+    /// Outlines of sheets that got walls and a flat back.
+    pub backs_added: usize,
+    /// Area of the caps, walls and backs.
     pub cap_area: f64,
     /// Shells of the closed surface, cavities included.
     pub shells: usize,
@@ -55,6 +57,7 @@ impl Fate {
             ("repair.triangles_turned", self.triangles_turned),
             ("repair.walls_removed", self.walls_removed),
             ("repair.holes_closed", self.holes_closed),
+            ("repair.backs_added", self.backs_added),
             ("repair.shells", self.shells),
             ("repair.bodies", self.bodies),
             ("repair.bodies_left", self.bodies_left),
@@ -82,6 +85,7 @@ impl Fate {
             (self.triangles_turned, "triangles turned to agree with their neighbours"),
             (self.walls_removed, "triangles of inner walls and flaps removed"),
             (self.holes_closed, "holes closed"),
+            (self.backs_added, "sheets, seen from one side only, given walls and a flat back"),
             (self.shells_turned, "shells turned that were inside out"),
             (self.flat_shells_removed, "shells removed that enclosed nothing"),
             (self.tangles_parted, "places parted where a shell passed through itself"),

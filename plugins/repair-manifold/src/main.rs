@@ -19,6 +19,7 @@ mod fixture;
 mod holes;
 mod nesting;
 mod orientation;
+mod relief;
 mod scuffs;
 mod seams;
 mod sheets;
@@ -87,7 +88,9 @@ impl Stage for RepairManifold {
         fate.changes().iter().for_each(|change| job.log("info", change));
         let closed = closed.map_err(refuse)?;
         job.progress(0.6, "cutting the base")?;
-        let body = base::seat(closed, params.flatten_base_mm)?;
+        let (body, moved) = base::seat(closed, params.flatten_base_mm)?;
+        let axes = ["repair.moved_x_mm", "repair.moved_y_mm", "repair.moved_z_mm"];
+        axes.into_iter().zip(moved.to_array()).for_each(|(name, by)| job.metric(name, by, "mm"));
         job.metric("repair.volume_after_mm3", volume::signed_volume(&body), "mm3");
         job.metric("repair.triangles", body.triangles.len() as f64, "1");
         job.write("body", "body.ply", &body.to_ply())

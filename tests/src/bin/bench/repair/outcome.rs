@@ -3,8 +3,10 @@
 use super::Patient;
 use fibar_core::artefact::mesh::TriangleMesh;
 use fibar_ruler::surface::ClosedSurface;
-use fibar_tests::judge::{Judgement, farthest, placed};
+use fibar_tests::judge::{Judgement, farthest};
+use glam::DVec3;
 use std::cmp::Ordering;
+use std::collections::BTreeMap;
 
 /// Of a real mesh no vertex may be left outside the result by more than this, mm; all are 100 mm long.
 const LEFT_OUT_MM: f64 = 1.0;
@@ -14,6 +16,16 @@ const LEFT_OUT_MM: f64 = 1.0;
 pub struct Said {
     seconds: Option<f64>,
     refused: Option<String>,
+    #[serde(default)]
+    metrics: BTreeMap<String, f64>,
+}
+
+impl Said {
+    /// How far the tool says that it moved everything, mm: `repair-manifold` puts it on the table, in the middle; others nowhere.
+    fn moved(&self) -> DVec3 {
+        let along = |axis: &str| self.metrics.get(&format!("repair.moved_{axis}_mm")).copied().unwrap_or(0.0);
+        DVec3::new(along("x"), along("y"), along("z"))
+    }
 }
 
 /// What came of a repair.
@@ -32,13 +44,13 @@ impl Outcome {
     /// Judges what a tool left.
     pub fn judge(patient: &Patient, said: &Said, result: Option<TriangleMesh>) -> Outcome {
         let blank = Outcome { seconds: None, wrong: None, volume_off: None, displacement: None };
-        let Some(mesh) = result.filter(|_| said.refused.is_none()) else {
+        let Some(mut mesh) = result.filter(|_| said.refused.is_none()) else {
             let reason = said.refused.clone().unwrap_or_else(|| "no readable result".into());
             return Outcome { wrong: Some(format!("refused: {}", shortened(&reason))), ..blank };
         };
         let truth = patient.truth.as_ref();
         let reference = truth.and_then(|truth| truth.sound.as_ref());
-        let mesh = placed(mesh, reference.unwrap_or(&patient.mesh));
+        mesh.vertices.iter_mut().for_each(|v| *v -= said.moved());
         let seen = Judgement::of(&mesh);
         let volume_off = truth.filter(|_| seen.is_closed).map(|truth| seen.volume / truth.volume - 1.0);
         let wrong = match truth {
