@@ -25,6 +25,7 @@ mod canonical;
 mod digest;
 mod error;
 pub mod os;
+mod stamp;
 
 pub use digest::Digest;
 pub use error::{Class, Error, Result};

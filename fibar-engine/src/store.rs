@@ -48,6 +48,7 @@ pub struct Store {
     root: PathBuf,
     environments: PathBuf,
     unsynced: sync::Unsynced,
+    fresh: blob::Fresh,
     /// Digests of files already hashed.
     pub stats: StatCache,
 }
@@ -66,7 +67,13 @@ impl Store {
         }
         let stats = StatCache::load(&root.join("stat-cache"));
         let environments = root.join("environments");
-        let store = Store { stats, unsynced: sync::Unsynced::default(), environments, root };
+        let store = Store {
+            stats,
+            unsynced: sync::Unsynced::default(),
+            fresh: blob::Fresh::default(),
+            environments,
+            root,
+        };
         if !format.exists() {
             store.publish_bytes(&format, STORE_FORMAT.as_bytes())?;
         }

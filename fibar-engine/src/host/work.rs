@@ -6,12 +6,13 @@
 use crate::error::IoContext;
 use crate::os::sandbox;
 use crate::plan::{InputDigests, PlannedStage};
+use crate::stamp::{Stamp, seal_copy};
 use crate::store::{Output, Rot, Tree};
 use crate::{Class, Digest, Error, Result, Store, os};
 use fibar_core::diagnostic::Diagnostic;
 use fibar_core::protocol::{Description, Done, InputArtefact, Request};
 use std::collections::BTreeMap;
-use std::fs::{File, Metadata};
+use std::fs::Metadata;
 use std::path::{Path, PathBuf};
 
 /// The outputs of a run by port, adopted by the store.
@@ -38,7 +39,8 @@ struct Input {
     what: String,
     path: String,
     digest: Digest,
-    tree: bool,
+    /// Of the copy; none for a folder.
+    stamp: Option<Stamp>,
 }
 
 impl<'a> WorkFolder<'a> {
@@ -117,13 +119,19 @@ impl<'a> WorkFolder<'a> {
         tree: bool,
     ) -> std::result::Result<(), Rot> {
         let target = self.folder.join(path);
-        if tree {
+        let stamp = if tree {
             self.store.copy_tree(digest, &target)?;
+            None
         } else {
             self.store.copy_blob(digest, &target)?;
-            os::make_read_only(&target).context("protect", &target)?;
-        }
-        self.inputs.push(Input { what: format!("input `{what}`"), path: path.into(), digest: *digest, tree });
+            Some(seal_copy(&target).context("protect", &target)?)
+        };
+        self.inputs.push(Input {
+            what: format!("input `{what}`"),
+            path: path.into(),
+            digest: *digest,
+            stamp,
+        });
         Ok(())
     }
 
@@ -133,14 +141,12 @@ impl<'a> WorkFolder<'a> {
             let dot = if file.extension.is_empty() { "" } else { "." };
             let path = format!("in/.file-{i}{dot}{}", file.extension);
             let target = self.folder.join(&path);
-            let mut from = File::open(&file.path).context("read", &file.path)?;
-            let mut to = File::create_new(&target).context("write", &target)?;
-            let (digest, _) = Digest::of_copy(&mut from, &mut to).context("copy", &file.path)?;
-            if digest != file.digest {
+            let copied = self.store.stats.copy_known(&file.path, &file.digest, &target);
+            if !copied.context("copy", &file.path)? {
                 let message = format!("{} changed while it was being built", file.path.display());
                 return Err(Error::new(Class::Input, Diagnostic::error(message).hint("build again")));
             }
-            os::make_read_only(&target).context("protect", &target)?;
+            let stamp = Some(seal_copy(&target).context("protect", &target)?);
             if let Some(slot) = params.pointer_mut(&file.pointer) {
                 *slot = path.clone().into();
             }
@@ -148,19 +154,23 @@ impl<'a> WorkFolder<'a> {
             let written = written.map_or_else(|| file.path.display().to_string(), str::to_owned);
             self.files.push(NamedFile { path: path.clone(), written });
             let what = format!("the file of `{}`", file.pointer.trim_start_matches('/'));
-            self.inputs.push(Input { what, path, digest, tree: false });
+            self.inputs.push(Input { what, path, digest: file.digest, stamp });
         }
         Ok(params)
     }
 
-    /// Refuses a run that touched its inputs.
+    /// Refuses a run that touched its inputs: those whose times have changed are hashed again.
     pub fn check_inputs(&self) -> Result<()> {
         for input in &self.inputs {
             let path = self.folder.join(&input.path);
-            let found = match input.tree {
-                true => Tree::list(&path, &mut |f| Digest::of_file(f).context("read", f))
-                    .map(|tree| Digest::of(&tree.to_bytes())),
-                false => Digest::of_file(&path).map(|(digest, _)| digest).context("read", &path),
+            if input.stamp.is_some_and(|stamp| stamp.holds(&path)) && !path.is_symlink() {
+                continue;
+            }
+            let found = if input.stamp.is_some() {
+                Digest::of_file(&path).map(|(digest, _)| digest).context("read", &path)
+            } else {
+                Tree::list(&path, &mut |f| Digest::of_file(f).context("read", f))
+                    .map(|tree| Digest::of(&tree.to_bytes()))
             };
             if found.ok() != Some(input.digest) || path.is_symlink() {
                 return Err(fault(format!("it changed {}, which is read-only", input.what)));

@@ -29,6 +29,9 @@ pub fn make_read_only(path: &std::path::Path) -> std::io::Result<()> {
     std::fs::set_permissions(path, permissions)
 }
 
+/// Programs can set all times of a file.
+pub const KEEPS_CHANGE_TIMES: bool = false;
+
 /// Modification time only.
 pub fn file_identity(meta: &std::fs::Metadata) -> [i64; 4] {
     let modified = meta.modified().ok().and_then(|t| t.duration_since(UNIX_EPOCH).ok());

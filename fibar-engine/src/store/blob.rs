@@ -2,11 +2,30 @@
 
 use super::Store;
 use crate::error::{Error, IoContext};
+use crate::stamp::Stamp;
 use crate::{Class, Digest, Result, os};
 use fibar_core::diagnostic::Diagnostic;
+use std::collections::BTreeMap;
 use std::fs::File;
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
 use std::time::SystemTime;
+
+/// Blobs that this process has hashed and put in place, as they were then: handed out again while they are warm, they need no second look.
+#[derive(Debug, Default)]
+pub(super) struct Fresh(Mutex<BTreeMap<Digest, Stamp>>);
+
+impl Fresh {
+    fn add(&self, digest: Digest, path: &Path) {
+        if let Ok(stamp) = Stamp::of(path) {
+            self.0.lock().unwrap_or_else(PoisonError::into_inner).insert(digest, stamp);
+        }
+    }
+
+    fn stamp(&self, digest: &Digest) -> Option<Stamp> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).get(digest).copied()
+    }
+}
 
 /// A blob that cannot be handed out: gone, or its bytes no longer match its name.
 #[derive(Debug, Clone)]
@@ -38,6 +57,7 @@ impl Store {
         os::make_read_only(file).context("protect", file)?;
         let target = self.blob_path(&digest);
         std::fs::rename(file, &target).context("publish", &target)?;
+        self.fresh.add(digest, &target);
         self.unsynced.add(&target);
         Ok((digest, size))
     }
@@ -53,7 +73,8 @@ impl Store {
         Ok(digest)
     }
 
-    /// Copies a blob to a new file, checking every byte on the way.
+    /// Copies a blob to a new file, checking every byte on the way; those alone are taken as they are that this process put there
+    /// and nobody changed since.
     pub fn copy_blob(&self, digest: &Digest, to: &Path) -> std::result::Result<u64, Rot> {
         let path = self.blob_path(digest);
         let mut from = match File::open(&path) {
@@ -61,7 +82,8 @@ impl Store {
             Err(e) if e.kind() == std::io::ErrorKind::NotFound => return Err(Rot::Rebuild(*digest)),
             Err(e) => return Err(Rot::Other(Error::io("read", &path, &e))),
         };
-        let copied = File::create_new(to).and_then(|mut file| Digest::of_copy(&mut from, &mut file));
+        let copied =
+            File::create_new(to).and_then(|mut file| self.copy_checked(digest, &mut from, &mut file));
         match copied {
             Ok((found, size)) if found == *digest => Ok(size),
             Ok(_) => {
@@ -69,6 +91,18 @@ impl Store {
                 Err(self.quarantine(digest))
             }
             Err(e) => Err(Rot::Other(Error::io("copy an artefact to", to, &e))),
+        }
+    }
+
+    fn copy_checked(
+        &self,
+        digest: &Digest,
+        from: &mut File,
+        to: &mut File,
+    ) -> std::io::Result<(Digest, u64)> {
+        match self.fresh.stamp(digest) {
+            Some(stamp) if stamp.holds(&self.blob_path(digest)) => Ok((*digest, std::io::copy(from, to)?)),
+            _ => Digest::of_copy(from, to),
         }
     }
 

@@ -2,15 +2,13 @@
 //!
 //! Only a cache: entries prove themselves against the file, and losing it costs hashing.
 
-use crate::{Digest, os};
+use crate::Digest;
+use crate::stamp::Stamp;
 use std::collections::BTreeMap;
 use std::fmt::Write;
+use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
-use std::time::{SystemTime, UNIX_EPOCH};
-
-/// A file changed more recently than this may change again without its times showing it.
-const RACY_NANOS: i64 = 50_000_000;
 
 /// The cache, loaded at the start and written back when something was learned.
 #[derive(Debug)]
@@ -25,9 +23,6 @@ struct Entries {
     learned: bool,
 }
 
-/// Size and identity of a file.
-type Stamp = (u64, [i64; 4]);
-
 impl StatCache {
     /// Reads the cache; anything odd in it is forgotten.
     pub fn load(path: &Path) -> StatCache {
@@ -39,15 +34,28 @@ impl StatCache {
     /// The digest and size of a file, hashed only if it is new or changed.
     pub fn digest_of(&self, path: &Path) -> std::io::Result<(Digest, u64)> {
         let path = std::path::absolute(path)?;
-        let stamp = stamp(&path)?;
+        let stamp = Stamp::of(&path)?;
         if let Some(digest) = self.known(&path, &stamp) {
-            return Ok((digest, stamp.0));
+            return Ok((digest, stamp.size));
         }
         let (digest, size) = Digest::of_file(&path)?;
-        if self::stamp(&path)? == stamp {
+        if Stamp::of(&path)? == stamp {
             self.learn(path, stamp, digest);
         }
         Ok((digest, size))
+    }
+
+    /// Copies a file to a new one; whether it held the bytes of this digest. They are hashed unless they were before and the file
+    /// did not change since.
+    pub fn copy_known(&self, path: &Path, digest: &Digest, to: &Path) -> std::io::Result<bool> {
+        let path = std::path::absolute(path)?;
+        let stamp = Stamp::of(&path)?;
+        let (mut from, mut to) = (File::open(&path)?, File::create_new(to)?);
+        if self.known(&path, &stamp) == Some(*digest) {
+            std::io::copy(&mut from, &mut to)?;
+            return Ok(stamp.holds(&path));
+        }
+        Ok(Digest::of_copy(&mut from, &mut to)?.0 == *digest)
     }
 
     fn known(&self, path: &Path, stamp: &Stamp) -> Option<Digest> {
@@ -56,9 +64,7 @@ impl StatCache {
     }
 
     fn learn(&self, path: PathBuf, stamp: Stamp, digest: Digest) {
-        let now = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |d| d.as_nanos() as i64);
-        let [_, _, modified, changed] = stamp.1;
-        if now - modified.max(changed) > RACY_NANOS && !path.to_string_lossy().contains('\n') {
+        if stamp.is_settled() && !path.to_string_lossy().contains('\n') {
             let mut entries = self.entries.lock().unwrap_or_else(PoisonError::into_inner);
             entries.by_path.insert(path, (stamp, digest));
             entries.learned = true;
@@ -80,7 +86,8 @@ impl StatCache {
             return;
         }
         let mut text = String::new();
-        for (path, ((size, [device, inode, modified, changed]), digest)) in &entries.by_path {
+        for (path, (stamp, digest)) in &entries.by_path {
+            let Stamp { size, identity: [device, inode, modified, changed] } = stamp;
             let path = path.to_string_lossy();
             let _ = writeln!(text, "{digest} {size} {device} {inode} {modified} {changed} {path}");
         }
@@ -91,19 +98,11 @@ impl StatCache {
     }
 }
 
-fn stamp(path: &Path) -> std::io::Result<Stamp> {
-    let meta = std::fs::metadata(path)?;
-    if meta.is_dir() {
-        return Err(std::io::Error::from(std::io::ErrorKind::IsADirectory));
-    }
-    Ok((meta.len(), os::file_identity(&meta)))
-}
-
 fn parse_line(line: &str) -> Option<(PathBuf, (Stamp, Digest))> {
     let mut parts = line.splitn(7, ' ');
     let digest = parts.next()?.parse().ok()?;
     let size = parts.next()?.parse().ok()?;
     let mut number = || parts.next()?.parse::<i64>().ok();
     let identity = [number()?, number()?, number()?, number()?];
-    Some((PathBuf::from(parts.next()?), ((size, identity), digest)))
+    Some((PathBuf::from(parts.next()?), (Stamp { size, identity }, digest)))
 }
