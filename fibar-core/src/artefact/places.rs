@@ -2,12 +2,17 @@
 
 use glam::DVec3;
 
-const EMPTY: u32 = u32::MAX;
+const EMPTY: u64 = u64::MAX;
+/// The bits of a hash that are kept; more places than half of what these can tell apart fit into no memory.
+const UPPER: u64 = 0xffff_ffff_0000_0000;
+const AT_ONCE: usize = 64;
+/// Meshes come in strips: a place is mostly one of the last few thousand, and these few slots stay in the nearest caches.
+const RECENT: usize = 4096;
 
 /// For each place the first of the list that equals it to the bit; −0 counts as 0.
 pub fn first_at_place(places: &[DVec3]) -> Vec<u32> {
     let mut numbers = Vec::with_capacity(places.len());
-    Places::default().number(places, &mut numbers);
+    Places::with_room_for(places.len()).number(places, &mut numbers);
     let mut firsts = Vec::new();
     for (own, number) in (0..).zip(&mut numbers) {
         if *number as usize == firsts.len() {
@@ -21,30 +26,52 @@ pub fn first_at_place(places: &[DVec3]) -> Vec<u32> {
 /// Places that are all different, numbered in the order in which they came.
 pub struct Places {
     places: Vec<DVec3>,
-    /// The number of each at the slot that its hash names or soon after; at most half full.
-    slots: Vec<u32>,
+    /// The number of each, below the upper half of its hash, at the slot that the hash names or soon after; at most half full.
+    slots: Vec<u64>,
+    /// The number that came last of those whose hashes end alike.
+    recent: Vec<u32>,
 }
 
 impl Default for Places {
     fn default() -> Places {
-        Places { places: Vec::new(), slots: vec![EMPTY; 2] }
+        Places::with_room_for(1)
     }
 }
 
 impl Places {
+    /// None yet; up to so many come without the table having to grow.
+    fn with_room_for(count: usize) -> Places {
+        let slots = vec![EMPTY; (2 * count).next_power_of_two().max(2)];
+        Places { places: Vec::with_capacity(count), slots, recent: vec![u32::MAX; RECENT] }
+    }
+
     /// Appends the number of each place; −0 counts as 0.
     pub fn number(&mut self, places: &[DVec3], numbers: &mut Vec<u32>) {
-        // Slots lie far apart in memory: to look into several at once takes hardly longer than into one.
-        const AT_ONCE: usize = 64;
-        let mut seen = [(0, EMPTY); AT_ONCE];
-        for places in places.chunks(AT_ONCE) {
-            for (seen, place) in seen.iter_mut().zip(places) {
-                let hash = hash(key(*place));
-                *seen = (hash, self.slots[self.slot(hash)]);
-            }
-            for ((hash, number), place) in seen.iter().zip(places) {
-                numbers.push(if self.is_at(*number, *place) { *number } else { self.find(*hash, *place) });
-            }
+        places.chunks(AT_ONCE).for_each(|places| self.number_few(places, numbers));
+    }
+
+    /// Slots lie far apart in memory: to look into several at once takes hardly longer than into one.
+    fn number_few(&mut self, places: &[DVec3], numbers: &mut Vec<u32>) {
+        let mut unknown = [(0, 0); AT_ONCE];
+        let mut count = 0;
+        let first = numbers.len();
+        for (k, place) in places.iter().enumerate() {
+            let hash = hash(key(*place));
+            let recent = self.recent[hash as usize % RECENT];
+            numbers.push(recent);
+            unknown[count] = (k, hash);
+            count += usize::from(!self.is_at(recent, *place));
+        }
+        let unknown = &unknown[..count];
+        let mut slots = [EMPTY; AT_ONCE];
+        for (slot, (_, hash)) in slots.iter_mut().zip(unknown) {
+            *slot = self.slots[self.slot(*hash)];
+        }
+        for (&(k, hash), seen) in unknown.iter().zip(slots) {
+            let known = holds(seen, hash) && self.is_at(seen as u32, places[k]);
+            let number = if known { seen as u32 } else { self.find(hash, places[k]) };
+            self.recent[hash as usize % RECENT] = number;
+            numbers[first + k] = number;
         }
     }
 
@@ -60,14 +87,14 @@ impl Places {
     fn find(&mut self, hash: u64, place: DVec3) -> u32 {
         let mut at = self.slot(hash);
         while self.slots[at] != EMPTY {
-            if self.is_at(self.slots[at], place) {
-                return self.slots[at];
+            if holds(self.slots[at], hash) && self.is_at(self.slots[at] as u32, place) {
+                return self.slots[at] as u32;
             }
             at = (at + 1) & (self.slots.len() - 1);
         }
         let number = self.places.len() as u32;
         self.places.push(place);
-        self.slots[at] = number;
+        self.slots[at] = hash & UPPER | u64::from(number);
         if 2 * self.places.len() > self.slots.len() {
             self.grow();
         }
@@ -78,16 +105,22 @@ impl Places {
         (hash >> (64 - self.slots.len().trailing_zeros())) as usize
     }
 
+    /// The upper half of a hash names the slot, so the old table is read and the new one written from end to end.
     fn grow(&mut self) {
-        self.slots = vec![EMPTY; 2 * self.slots.len()];
-        for (number, place) in (0..).zip(&self.places) {
-            let mut at = self.slot(hash(key(*place)));
+        let larger = vec![EMPTY; 2 * self.slots.len()];
+        for old in std::mem::replace(&mut self.slots, larger).into_iter().filter(|&old| old != EMPTY) {
+            let mut at = self.slot(old);
             while self.slots[at] != EMPTY {
                 at = (at + 1) & (self.slots.len() - 1);
             }
-            self.slots[at] = number;
+            self.slots[at] = old;
         }
     }
+}
+
+/// Whether a slot may hold a place of this hash.
+fn holds(slot: u64, hash: u64) -> bool {
+    (slot ^ hash) & UPPER == 0
 }
 
 fn key(place: DVec3) -> [u64; 3] {

@@ -7,6 +7,11 @@ use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+/// How glibc hands out memory: large pages for large arrays, as fresh memory costs a page fault each 4 kB otherwise; and arrays
+/// below 256 MB are kept for the next one, as the kernel clears what it hands out anew.
+const ALLOCATION: &str =
+    "glibc.malloc.hugetlb=1:glibc.malloc.mmap_threshold=268435456:glibc.malloc.trim_threshold=536870912";
+
 /// Whether stages run in a sandbox.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Sandbox {
@@ -104,8 +109,7 @@ impl Launch<'_> {
         command.env("RAYON_NUM_THREADS", &threads).env("OMP_NUM_THREADS", &threads);
         command.env("PYTHONDONTWRITEBYTECODE", "1").env("PYTHONHASHSEED", "0");
         if cfg!(all(target_os = "linux", target_env = "gnu")) {
-            // Large pages for large arrays: fresh memory costs a page fault each 4 kB otherwise.
-            command.env("GLIBC_TUNABLES", "glibc.malloc.hugetlb=1");
+            command.env("GLIBC_TUNABLES", ALLOCATION);
         }
         command.env("HOME", folder.join("tmp")).env("TMPDIR", folder.join("tmp"));
         if cfg!(windows) {
