@@ -1,5 +1,6 @@
 //! The checkout we stand in, and how programs are run from it.
 
+use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -40,6 +41,7 @@ impl Checkout {
     pub fn cargo(&self, arguments: &[&str]) -> Command {
         let mut command = Command::new(std::env::var_os("CARGO").unwrap_or("cargo".into()));
         command.current_dir(&self.root).args(arguments);
+        read_before(std::env::vars_os()).iter().for_each(|name| drop(command.env_remove(name)));
         command
     }
 
@@ -52,6 +54,14 @@ impl Checkout {
     pub fn target(&self) -> PathBuf {
         std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| self.path("target"), PathBuf::from)
     }
+}
+
+/// Variables that the cargo above us read from `target/opensubdiv/cargo.toml`. That may have been written anew since, and the cargo
+/// below would take them for the user's, which go first.
+fn read_before(variables: impl Iterator<Item = (OsString, OsString)>) -> Vec<OsString> {
+    let folder = ["target", "opensubdiv"].join(std::path::MAIN_SEPARATOR_STR);
+    let ours = |value: &OsString| value.to_string_lossy().contains(&folder);
+    variables.filter(|(_, value)| ours(value)).map(|(name, _)| name).collect()
 }
 
 /// Runs a command with our own terminal; a failure passes its exit code on.
@@ -70,4 +80,19 @@ pub fn run_quietly(command: &mut Command) -> Result<String, String> {
         return Ok(text(&output.stdout));
     }
     Err(format!("{program} failed ({}):\n{}{}", output.status, text(&output.stdout), text(&output.stderr)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn settings_of_a_folder_that_moved_are_forgotten() {
+        let check = |value: &str, forgotten: bool| {
+            let variables = [("CMAKE".into(), value.into())];
+            assert_eq!(read_before(variables.into_iter()).len(), usize::from(forgotten), "{value}");
+        };
+        check("/home/me/old/target/opensubdiv/cmake-4/bin/cmake", true);
+        check("/usr/bin/cmake", false);
+    }
 }

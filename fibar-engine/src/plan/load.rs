@@ -158,18 +158,7 @@ impl Checks<'_> {
                 None
             }
             None => {
-                let known = plugins.list();
-                let finding = node.error(format!("there is no plugin `{name}`"));
-                self.findings.push(match did_you_mean(name, known.keys().map(String::as_str)) {
-                    Some(guess) => finding.hint(format!("did you mean `{guess}`?")),
-                    None => {
-                        let folders = plugins.folders().iter().map(|f| f.display().to_string());
-                        let folders = folders.collect::<Vec<_>>().join(", ");
-                        finding
-                            .note(format!("looked in {folders}"))
-                            .hint("`fibar plugin list` shows those found")
-                    }
-                });
+                self.findings.push(missing(name, node, plugins));
                 None
             }
         }
@@ -245,4 +234,19 @@ fn nearest_file(missing: &Path) -> Option<String> {
     let mut names: Vec<_> = entries.flatten().map(|e| e.file_name().to_string_lossy().into_owned()).collect();
     names.sort();
     did_you_mean(missing.file_name()?.to_str()?, names.iter().map(String::as_str)).map(str::to_owned)
+}
+
+/// Why there is no such plugin, as far as that can be told.
+fn missing(name: &str, node: &Node, plugins: &PluginPath) -> Diagnostic {
+    let finding = node.error(format!("there is no plugin `{name}`"));
+    if let Some(source) = plugins.source(name) {
+        let finding = finding.note(format!("it is not compiled; its source is at {}", source.display()));
+        return finding.hint("`cargo xtask build RECIPE` compiles what a recipe names, and builds it");
+    }
+    if let Some(guess) = did_you_mean(name, plugins.list().keys().map(String::as_str)) {
+        return finding.hint(format!("did you mean `{guess}`?"));
+    }
+    let folders = plugins.folders().iter().map(|folder| folder.display().to_string());
+    let folders = folders.collect::<Vec<_>>().join(", ");
+    finding.note(format!("looked in {folders}")).hint("`fibar plugin list` shows those found")
 }

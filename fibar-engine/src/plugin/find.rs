@@ -40,6 +40,12 @@ impl PluginPath {
         candidates.into_iter().find(|path| path.metadata().is_ok_and(|meta| os::is_executable(&meta)))
     }
 
+    /// The manifest of a plugin that one of the folders, `target/release` of a checkout, does not hold compiled yet.
+    pub fn source(&self, name: &str) -> Option<PathBuf> {
+        let checkouts = self.folders.iter().filter_map(|folder| folder.ancestors().nth(2));
+        checkouts.map(|root| root.join("plugins").join(name).join("Cargo.toml")).find(|path| path.is_file())
+    }
+
     /// Every executable with a plugin-like name (verb-noun) by name. Whether it speaks the protocol is not asked.
     pub fn list(&self) -> BTreeMap<String, PathBuf> {
         let mut found = BTreeMap::new();
@@ -54,5 +60,25 @@ impl PluginPath {
             }
         }
         found
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_plugin_of_the_checkout_that_is_not_compiled_has_a_source() {
+        let checkout = tempfile::tempdir().unwrap();
+        let folder = checkout.path().join("plugins/source-mesh");
+        std::fs::create_dir_all(&folder).unwrap();
+        std::fs::write(folder.join("Cargo.toml"), "").unwrap();
+        let check = |folder: &str, name: &str, found: bool| {
+            let plugins = PluginPath::only(vec![checkout.path().join(folder)]);
+            assert_eq!(plugins.source(name).is_some(), found, "{folder} {name}");
+        };
+        check("target/release", "source-mesh", true);
+        check("target/release", "source-mash", false);
+        check("libexec/fibar/plugins", "source-mesh", false);
     }
 }
