@@ -1,11 +1,28 @@
-//! Levenshtein distance from one sequence to many, bit-parallel (Myers 1999, in Hyyrö's form for whole sequences).
-//!
-//! The same numbers as `crate::recognition::sequence_distance`, an order of magnitude sooner.
-
-use crate::recognition::sequence_distance;
+//! Levenshtein distance, bit-parallel (Myers 1999, in Hyyrö's form for whole sequences); from one sequence to many through a
+//! [`Needle`].
 
 /// More symbols than this do not occur: patterns are numbered from 1 to 15.
 pub const SYMBOLS: usize = 16;
+
+/// Least number of insertions, deletions and substitutions that make one sequence of the other.
+pub fn sequence_distance<T: PartialEq>(a: &[T], b: &[T]) -> usize {
+    if a.is_empty() || a.len() > 64 {
+        return strsim::generic_levenshtein(&Sequence(a), &Sequence(b));
+    }
+    let places = |symbol: &T| a.iter().rev().fold(0, |bits, own| bits << 1 | u64::from(own == symbol));
+    distance_by_places(a.len(), b.iter().map(places), u32::MAX).expect("no limit was set") as usize
+}
+
+/// A slice whose reference can be iterated over without naming a lifetime, as strsim wants it.
+struct Sequence<'a, T>(&'a [T]);
+
+impl<'a, T> IntoIterator for &Sequence<'a, T> {
+    type Item = &'a T;
+    type IntoIter = std::slice::Iter<'a, T>;
+    fn into_iter(self) -> Self::IntoIter {
+        self.0.iter()
+    }
+}
 
 /// A sequence prepared for comparison.
 #[derive(Clone, Debug)]
@@ -91,56 +108,67 @@ impl Needle {
     fn distance_below(&self, other: &[u8], limit: u32) -> Option<u32> {
         let distance = match self.length {
             0 => other.len() as u32,
-            1..=64 => return self.bit_parallel_distance(other, limit),
+            1..=64 => {
+                let places = other.iter().map(|&symbol| self.places[usize::from(symbol)]);
+                return distance_by_places(self.length, places, limit);
+            }
             _ => sequence_distance(self.sequence(), other) as u32,
         };
         (distance < limit).then_some(distance)
     }
+}
 
-    /// One column of the table of distances at a time, as bit vectors of its vertical steps up (`rises`) and down (`falls`).
-    fn bit_parallel_distance(&self, other: &[u8], limit: u32) -> Option<u32> {
-        let last = self.length - 1;
-        let (mut rises, mut falls) = (u64::MAX, 0u64);
-        let mut distance = self.length as u32;
-        for (&symbol, rest) in other.iter().zip((0..other.len() as u32).rev()) {
-            let equal = self.places[usize::from(symbol)];
-            let diagonal = ((equal & rises).wrapping_add(rises) ^ rises) | equal;
-            let vertical = equal | falls;
-            let up = falls | !(diagonal | rises);
-            let down = rises & diagonal;
-            distance += (up >> last & 1) as u32;
-            distance -= (down >> last & 1) as u32;
-            // Each symbol to come takes one off at most.
-            if distance.saturating_sub(rest) >= limit {
-                return None;
-            }
-            let up = up << 1 | 1;
-            rises = down << 1 | !(vertical | up);
-            falls = up & vertical;
+/// One column of the table of distances at a time, as bit vectors of its vertical steps up (`rises`) and down (`falls`). Of the other
+/// sequence it is enough where each of its symbols occurs in the first. `None` unless less than a limit.
+fn distance_by_places(length: usize, places: impl ExactSizeIterator<Item = u64>, limit: u32) -> Option<u32> {
+    let last = length - 1;
+    let (mut rises, mut falls) = (u64::MAX, 0u64);
+    let mut distance = length as u32;
+    let mut rest = places.len() as u32;
+    for equal in places {
+        let diagonal = ((equal & rises).wrapping_add(rises) ^ rises) | equal;
+        let vertical = equal | falls;
+        let up = falls | !(diagonal | rises);
+        let down = rises & diagonal;
+        distance += (up >> last & 1) as u32;
+        distance -= (down >> last & 1) as u32;
+        rest -= 1;
+        // Each symbol to come takes one off at most.
+        if distance.saturating_sub(rest) >= limit {
+            return None;
         }
-        (distance < limit).then_some(distance)
+        let up = up << 1 | 1;
+        rises = down << 1 | !(vertical | up);
+        falls = up & vertical;
     }
+    (distance < limit).then_some(distance)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::PatternId;
     use crate::recognition::cyclic_distance;
     use proptest::prelude::*;
 
-    fn ids(sequence: &[u8]) -> Vec<PatternId> {
-        sequence.iter().map(|&x| PatternId(u32::from(x))).collect()
+    fn by_strsim(a: &[u8], b: &[u8]) -> usize {
+        strsim::generic_levenshtein(&Sequence(a), &Sequence(b))
+    }
+
+    fn by_turns(a: &[u8], b: &[u8]) -> usize {
+        let turned = |k: usize| [&b[k..], &b[..k]].concat();
+        (0..b.len().max(1)).map(|k| by_strsim(a, &turned(k))).min().unwrap()
     }
 
     proptest! {
         #[test]
-        fn distances_are_those_of_the_recogniser(
+        fn distances_are_those_of_strsim(
             a in prop::collection::vec(1u8..8, 0..10),
             b in prop::collection::vec(1u8..8, 0..10),
         ) {
-            prop_assert_eq!(Needle::new(&a).distance(&b) as usize, sequence_distance(&ids(&a), &ids(&b)));
-            prop_assert_eq!(Needle::new(&a).cyclic_distance(&Needle::new(&b)) as usize, cyclic_distance(&ids(&a), &ids(&b)));
+            prop_assert_eq!(sequence_distance(&a, &b), by_strsim(&a, &b));
+            prop_assert_eq!(Needle::new(&a).distance(&b) as usize, by_strsim(&a, &b));
+            prop_assert_eq!(Needle::new(&a).cyclic_distance(&Needle::new(&b)) as usize, by_turns(&a, &b));
+            prop_assert_eq!(cyclic_distance(&a, &b), by_turns(&a, &b));
         }
 
         #[test]
@@ -148,7 +176,8 @@ mod tests {
             a in prop::collection::vec(1u8..8, 0..90),
             b in prop::collection::vec(1u8..8, 0..90),
         ) {
-            prop_assert_eq!(Needle::new(&a).distance(&b) as usize, sequence_distance(&ids(&a), &ids(&b)));
+            prop_assert_eq!(sequence_distance(&a, &b), by_strsim(&a, &b));
+            prop_assert_eq!(Needle::new(&a).distance(&b) as usize, by_strsim(&a, &b));
         }
     }
 }

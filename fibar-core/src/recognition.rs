@@ -1,6 +1,7 @@
 //! The paper's lookup: a marker's name from its pattern and its neighbours' (Tone 2020, "Marker ID recognition").
 
 use crate::id::PatternId;
+use crate::levenshtein::sequence_distance;
 
 /// A line of the lookup table: a marker's own pattern and its stored sequence of neighbours' patterns.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -19,26 +20,10 @@ pub fn look_up(seen: Entry<'_>, table: &[Entry<'_>]) -> Option<usize> {
         .map(|(index, _)| index)
 }
 
-/// Levenshtein distance of two sequences: insertions, deletions and substitutions, one each.
-pub fn sequence_distance<T: PartialEq>(a: &[T], b: &[T]) -> usize {
-    strsim::generic_levenshtein(&Sequence(a), &Sequence(b))
-}
-
 /// Least Levenshtein distance between two sequences over all rotations of one: the same at any roll of the camera.
 pub fn cyclic_distance<T: PartialEq + Clone>(a: &[T], b: &[T]) -> usize {
     let turned = |k: usize| [&b[k..], &b[..k]].concat();
     (0..b.len().max(1)).map(|k| sequence_distance(a, &turned(k))).min().expect("one rotation at least")
-}
-
-/// A slice whose reference can be iterated over without naming a lifetime, as strsim wants it.
-struct Sequence<'a, T>(&'a [T]);
-
-impl<'a, T> IntoIterator for &Sequence<'a, T> {
-    type Item = &'a T;
-    type IntoIter = std::slice::Iter<'a, T>;
-    fn into_iter(self) -> Self::IntoIter {
-        self.0.iter()
-    }
 }
 
 /// The sequence that occurs most often; of equals the one first in order. `None` of none.
