@@ -27,7 +27,12 @@ pub fn crossings(mesh: &TriangleMesh) -> Vec<Crossing> {
 
 /// The same, of a mesh whose [`twins`] are known.
 pub fn crossings_with(mesh: &TriangleMesh, twins: &[u32]) -> Vec<Crossing> {
-    let mut found = near_pairs(mesh, &patches(mesh, twins), |pair| {
+    crossings_between(mesh, &patches(mesh, twins))
+}
+
+/// Crossings of triangles of different groups, or of none ([`LOOSE`](crate::overlaps::LOOSE)). Groups are numbered from 0.
+pub fn crossings_between(mesh: &TriangleMesh, groups: &[u32]) -> Vec<Crossing> {
+    let mut found = near_pairs(mesh, groups, |pair| {
         if are_apart(mesh, pair.map(|t| t as usize)) { None } else { crossing(mesh, pair) }
     });
     found.sort_unstable_by_key(|crossing| crossing.triangles);

@@ -58,19 +58,31 @@ pub fn close(soup: &TriangleMesh, limits: Limits, fate: &mut Fate) -> Result<Tri
     let mut sketch = fate.clone();
     let closed = close_holes(&open.mesh, &holes, &mut sketch)?;
     let found = crossings(&closed.mesh);
-    let caps = open.mesh.triangles.len() as u32;
-    if found.iter().any(|crossing| crossing.triangles[1] >= caps)
-        && let Some(solid) = solidify_relief(&open, &holes, fate)
-    {
+    let crossed = crossed_by_own_caps(&closed, &found, open.mesh.triangles.len());
+    if let Some(solid) = solidify_relief(&open, &holes, &crossed, fate) {
         return Ok(solid);
     }
     *fate = sketch;
     solidify(&closed, Some(found), fate)
 }
 
-/// The solid of sheets that stand on flat backs, if they can.
-fn solidify_relief(open: &Sheets, holes: &[Hole], fate: &mut Fate) -> Option<TriangleMesh> {
-    let relief = relief::stand(open, holes)?;
+/// The first triangles of shells that pass through a cap of their own; caps come after all others.
+fn crossed_by_own_caps(closed: &Sheets, found: &[Crossing], caps: usize) -> Vec<u32> {
+    let mut with_caps =
+        found.iter().map(|crossing| crossing.triangles).filter(|pair| pair[1] as usize >= caps).peekable();
+    if with_caps.peek().is_none() {
+        return Vec::new();
+    }
+    let shells = closed.shells();
+    let mut firsts = vec![0; closed.mesh.triangles.len()];
+    shells.iter().for_each(|shell| shell.iter().for_each(|&t| firsts[t as usize] = shell[0]));
+    let crossed = with_caps.map(|pair| pair.map(|t| firsts[t as usize])).filter(|[one, other]| one == other);
+    crossed.map(|[first, _]| first).collect::<BTreeSet<u32>>().into_iter().collect()
+}
+
+/// The solid of a mesh in which sheets stand on flat backs, if there are such that caps pass through.
+fn solidify_relief(open: &Sheets, holes: &[Hole], crossed: &[u32], fate: &mut Fate) -> Option<TriangleMesh> {
+    let relief = (!crossed.is_empty()).then(|| relief::stand(open, holes, crossed))??;
     let sheets = Sheets::of(&relief.mesh);
     let mut sketch = fate.clone();
     sketch.backs_added = relief.backs;
@@ -100,7 +112,7 @@ fn solidify(
     // Without the flat ones the triangles have other numbers.
     let found = found.filter(|_| nesting.flat == 0).unwrap_or_else(|| crossings(&mesh));
     fate.crossings = found.len();
-    let Some(smoothed) = scuffs::smooth(&mesh, &found) else {
+    let Some(smoothed) = scuffs::smooth(&mesh, &found, scuffs::SMALL) else {
         return unite(mesh, &nesting.shells, &found, fate);
     };
     fate.tangles_cut += smoothed.cut;
@@ -184,7 +196,7 @@ fn unite(
     for family in families {
         let part = match family.is_loose {
             true => alone(&mesh, family.members.iter().map(|&number| &shells[number])),
-            false => union_of(&mesh, shells, &family.members, found, fate)?.to_mesh()?,
+            false => union_of(&mesh, shells, &family.members, found, fate)?,
         };
         let first = united.vertices.len() as u32;
         united.vertices.extend(part.vertices);
@@ -203,20 +215,24 @@ fn union_of(
     members: &[usize],
     found: &[Crossing],
     fate: &mut Fate,
-) -> Result<Solid, Obstacle> {
+) -> Result<TriangleMesh, Obstacle> {
     let shell_of = shell_numbers(mesh, shells);
     let of = |crossing: &Crossing| crossing.triangles.map(|t| shell_of[t as usize]);
     let tangled: BTreeSet<usize> = found.iter().map(of).filter(|[a, b]| a == b).map(|[a, _]| a).collect();
     let mut solids = BTreeMap::new();
     for &number in members {
-        solids.insert(number, solid_of(mesh, &shells[number], tangled.contains(&number), fate)?);
+        let filled = filled(mesh, &shells[number], tangled.contains(&number), fate)?;
+        if members.len() == 1 {
+            return Ok(filled);
+        }
+        solids.insert(number, Solid::from_mesh(&filled)?);
     }
     let bodies = members.iter().filter(|&&number| shells[number].volume > 0.0).map(|&number| {
         let is_cavity = |k: &&usize| shells[**k].volume < 0.0 && shells[**k].parent == Some(number);
         solids[&number].subtract(members.iter().filter(is_cavity).map(|k| &solids[k]))
     });
     let bodies = bodies.collect::<Result<Vec<Solid>, SolidError>>()?;
-    Ok(Solid::union(&bodies)?)
+    Ok(Solid::union(&bodies)?.to_mesh()?)
 }
 
 /// Some shells as a mesh of their own.
@@ -226,21 +242,26 @@ fn alone<'a>(mesh: &TriangleMesh, shells: impl IntoIterator<Item = &'a Shell>) -
     mesh.part(&triangles.collect::<Vec<_>>())
 }
 
-/// What a shell encloses, a cavity as if it were a body.
-fn solid_of(mesh: &TriangleMesh, shell: &Shell, tangled: bool, fate: &mut Fate) -> Result<Solid, Obstacle> {
+/// The surface of what a shell encloses, a cavity as if it were a body.
+fn filled(
+    mesh: &TriangleMesh,
+    shell: &Shell,
+    tangled: bool,
+    fate: &mut Fate,
+) -> Result<TriangleMesh, Obstacle> {
     let mut alone = alone(mesh, [shell]);
     if shell.volume < 0.0 {
         alone.triangles.iter_mut().for_each(orientation::turn);
     }
     if !tangled {
-        return Ok(Solid::from_mesh(&alone)?);
+        return Ok(alone);
     }
     match untangle(&alone) {
         Ok(done) => {
             fate.tangles_parted += done.parted;
             fate.tangles_cut += done.cut;
             fate.displacement = fate.displacement.max(done.displacement);
-            Ok(done.solid)
+            Ok(done.mesh)
         }
         Err(Tangled::Crossings(left)) => Err(Obstacle::Crossings(left)),
         Err(Tangled::Solid(error)) => Err(error.into()),

@@ -25,6 +25,7 @@ mod seams;
 mod sheets;
 mod sight;
 mod sound;
+mod strands;
 mod tangles;
 #[cfg(test)]
 mod tests;

@@ -6,7 +6,7 @@
 
 use crate::cap::cap;
 use crate::drawing::{Plane, fill};
-use crate::holes::Hole;
+use crate::holes::{Hole, close_all};
 use crate::sheets::Sheets;
 use fibar_core::artefact::mesh::TriangleMesh;
 use fibar_core::artefact::places::first_at_place;
@@ -25,25 +25,32 @@ pub struct Relief {
 
 /// A sheet is a relief if no more than this share of its area faces away.
 const AWAY: f64 = 0.02;
-/// A back lies behind the farthest point of its sheet by this share of the mesh's box.
+/// The vector area of sheets that stand on backs is at least this share of their area.
+const ONE_SIDED: f64 = 0.3;
+/// A back lies behind the farthest point of its sheet by this share of the sheet's box.
 const BEHIND: f64 = 0.02;
 
-/// Stands all open sheets on flat backs; nothing unless each is seen from one side, outlines that do not cross themselves.
-pub fn stand(sheets: &Sheets, holes: &[Hole]) -> Option<Relief> {
+/// Stands sheets on flat backs and closes the holes of all others: all that are open if one view shows them all, else those that these
+/// triangles belong to and that some view shows. Nothing if there are none, or an outline crosses itself.
+pub fn stand(sheets: &Sheets, holes: &[Hole], crossed: &[u32]) -> Option<Relief> {
     let pieces = Pieces::of(sheets);
-    let plane = view(&sheets.mesh, &pieces)?;
-    let (low, high) = sheets.mesh.bounds()?;
-    let lowest = pieces.lowest(&sheets.mesh, &plane, BEHIND * low.distance(high));
-    let mut relief = Relief { mesh: sheets.mesh.clone(), backs: 0, caps: 0 };
-    let rings: Vec<Vec<u32>> = holes.iter().flat_map(|hole| rings(hole, &mut relief.mesh)).collect();
-    for ring in rings {
-        let drawn: Vec<DVec2> =
-            ring.iter().map(|&v| plane.draw(relief.mesh.vertices[v as usize]).0).collect();
-        if signed_area(&drawn) < 0.0 {
-            let height = lowest[pieces.of_vertex[ring[0] as usize] as usize];
-            relief.add_back(&ring, drawn, &plane, height)?;
-        } else {
-            relief.close(&ring, drawn);
+    let planes = pieces.planes(&sheets.mesh, crossed)?;
+    let lowest = pieces.lowest(&sheets.mesh, &planes);
+    let piece = |hole: &Hole| pieces.of_vertex[hole.rim[0] as usize] as usize;
+    let (standing, others): (Vec<&Hole>, Vec<&Hole>) =
+        holes.iter().partition(|hole| planes[piece(hole)].is_some());
+    let mut relief = Relief { mesh: sheets.mesh.clone(), backs: 0, caps: others.len() };
+    close_all(&others.into_iter().cloned().collect::<Vec<_>>(), &mut relief.mesh);
+    for hole in standing {
+        let Some(plane) = planes[piece(hole)] else { continue };
+        for ring in rings(hole, &mut relief.mesh) {
+            let drawn: Vec<DVec2> =
+                ring.iter().map(|&v| plane.draw(relief.mesh.vertices[v as usize]).0).collect();
+            if signed_area(&drawn) < 0.0 {
+                relief.add_back(&ring, drawn, &plane, lowest[piece(hole)])?;
+            } else {
+                relief.close(&ring, drawn);
+            }
         }
     }
     Some(relief)
@@ -97,18 +104,64 @@ impl Pieces {
         Pieces { of_triangle, of_vertex, is_open }
     }
 
-    /// Where the back of each piece lies, so far behind its farthest point, mm.
-    fn lowest(&self, mesh: &TriangleMesh, plane: &Plane, behind: f64) -> Vec<f64> {
-        let mut lowest = vec![f64::INFINITY; self.is_open.len()];
-        for (&place, &piece) in mesh.vertices.iter().zip(&self.of_vertex) {
-            let lowest = &mut lowest[piece as usize];
-            *lowest = lowest.min(plane.draw(place).1 - behind);
+    /// The planes that pieces are drawn in; nothing if none is.
+    fn planes(&self, mesh: &TriangleMesh, crossed: &[u32]) -> Option<Vec<Option<Plane>>> {
+        let origin = mesh.bounds()?.0;
+        let count = self.is_open.len();
+        let all: Vec<usize> = (0..count).filter(|&piece| self.is_open[piece]).collect();
+        if let Some(way) = self.view(mesh, &all) {
+            let plane = |piece: usize| self.is_open[piece].then(|| Plane::across(origin, way));
+            return Some((0..count).map(plane).collect());
         }
-        lowest
+        let mut planes = vec![None; count];
+        for piece in crossed.iter().map(|&t| self.of_triangle[t as usize] as usize) {
+            planes[piece] = self.view(mesh, &[piece]).map(|way| Plane::across(origin, way));
+        }
+        planes.iter().any(Option::is_some).then_some(planes)
     }
 
-    /// Whether the largest share of a piece's area that faces away from a direction, with all pieces that are closed left out, is small;
-    /// and the area of all that does, mm².
+    /// Where the back of each piece lies, mm.
+    fn lowest(&self, mesh: &TriangleMesh, planes: &[Option<Plane>]) -> Vec<f64> {
+        let mut lowest = vec![f64::INFINITY; self.is_open.len()];
+        let mut boxes = vec![[DVec3::INFINITY, DVec3::NEG_INFINITY]; self.is_open.len()];
+        for (&place, &piece) in mesh.vertices.iter().zip(&self.of_vertex) {
+            let piece = piece as usize;
+            if let Some(plane) = &planes[piece] {
+                lowest[piece] = lowest[piece].min(plane.draw(place).1);
+            }
+            let [low, high] = &mut boxes[piece];
+            (*low, *high) = (low.min(place), high.max(place));
+        }
+        lowest
+            .into_iter()
+            .zip(boxes)
+            .map(|(lowest, [low, high])| lowest - BEHIND * low.distance(high))
+            .collect()
+    }
+
+    /// The direction to look against: the least area of some pieces faces away from it, and of each hardly any.
+    fn view(&self, mesh: &TriangleMesh, some: &[usize]) -> Option<DVec3> {
+        let mut is_asked = vec![false; self.is_open.len()];
+        some.iter().for_each(|&piece| is_asked[piece] = true);
+        let normal = |t: usize| {
+            let [a, b, c] = mesh.corners(t);
+            (self.of_triangle[t], (b - a).cross(c - a))
+        };
+        let asked = (0..mesh.triangles.len()).filter(|&t| is_asked[self.of_triangle[t] as usize]);
+        let normals: Vec<(u32, DVec3)> = asked.map(normal).collect();
+        let mean: DVec3 = normals.iter().map(|(_, normal)| normal).sum();
+        // What is seen from one side has no other.
+        if mean.length() < ONE_SIDED * normals.iter().map(|(_, normal)| normal.length()).sum::<f64>() {
+            return None;
+        }
+        let along = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| axis * mean.dot(axis).signum());
+        let middle = middle_of(normals.iter().filter_map(|(_, normal)| normal.try_normalize()).collect());
+        let ways = [along[0], along[1], along[2], mean, middle].into_iter().filter_map(DVec3::try_normalize);
+        let judged = ways.filter_map(|way| Some((self.facing_away(&normals, way)?, way)));
+        judged.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, way)| way)
+    }
+
+    /// The area that faces away from a direction, mm², if that is a small share of each piece's.
     fn facing_away(&self, normals: &[(u32, DVec3)], toward: DVec3) -> Option<f64> {
         let mut areas = vec![[0.0; 2]; self.is_open.len()];
         for &(piece, normal) in normals {
@@ -119,23 +172,6 @@ impl Pieces {
         let is_relief = areas.iter().all(|[all, away]| *away <= AWAY * all);
         is_relief.then(|| areas.iter().map(|[_, away]| away).sum())
     }
-}
-
-/// The plane to draw all open pieces in: seen against its normal the least area of them faces away, and of each hardly any.
-fn view(mesh: &TriangleMesh, pieces: &Pieces) -> Option<Plane> {
-    let normal = |t: usize| {
-        let [a, b, c] = mesh.corners(t);
-        (pieces.of_triangle[t], (b - a).cross(c - a))
-    };
-    let open = (0..mesh.triangles.len()).filter(|&t| pieces.is_open[pieces.of_triangle[t] as usize]);
-    let normals: Vec<(u32, DVec3)> = open.map(normal).collect();
-    let mean: DVec3 = normals.iter().map(|(_, normal)| normal).sum();
-    let along = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| axis * mean.dot(axis).signum());
-    let middle = middle_of(normals.iter().filter_map(|(_, normal)| normal.try_normalize()).collect());
-    let ways = [along[0], along[1], along[2], mean, middle].into_iter().filter_map(DVec3::try_normalize);
-    let judged = ways.filter_map(|way| Some((pieces.facing_away(&normals, way)?, way)));
-    let (_, way) = judged.min_by(|a, b| a.0.total_cmp(&b.0))?;
-    Some(Plane::across(mesh.bounds()?.0, way))
 }
 
 /// The middle of the smallest ball around some unit vectors (Bădoiu & Clarkson 2003): the direction farthest from facing any away.

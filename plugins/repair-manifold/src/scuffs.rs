@@ -7,7 +7,8 @@ use crate::distance::farthest;
 use crate::holes::{close_all, holes};
 use crate::sheets::Sheets;
 use fibar_core::artefact::mesh::TriangleMesh;
-use fibar_geometry::crossings::{Crossing, crossings};
+use fibar_geometry::crossings::{Crossing, crossings_between};
+use fibar_geometry::overlaps::LOOSE;
 use glam::DVec3;
 use std::collections::BTreeMap;
 
@@ -24,17 +25,17 @@ pub struct Smoothed {
 /// How often what still crosses is cut out, each time with a ring more.
 const ROUNDS: usize = 6;
 /// A scuff reaches no farther than this share of its shell's box.
-const SMALL: f64 = 0.06;
+pub const SMALL: f64 = 0.1;
 
-/// Smooths a closed surface that crosses itself here; nothing if nothing of it was small.
-pub fn smooth(mesh: &TriangleMesh, found: &[Crossing]) -> Option<Smoothed> {
+/// Smooths a closed surface that crosses itself here, where it does within a share of its shell's box; nothing if it does so nowhere.
+pub fn smooth(mesh: &TriangleMesh, found: &[Crossing], share: f64) -> Option<Smoothed> {
     if found.is_empty() {
         return None;
     }
     let mut surface = Surface::of(mesh.clone(), found.to_vec());
     let (mut cut, mut lost) = (0, Vec::new());
     for rings in 0..ROUNDS {
-        let scuffs = surface.scuffs(rings);
+        let scuffs = surface.scuffs(rings, share);
         if scuffs.is_empty() {
             if surface.left.is_empty() { break } else { continue }
         }
@@ -97,7 +98,7 @@ impl Surface {
     }
 
     /// Crossing triangles with so many rings around them, those together that hang together; the small ones.
-    fn scuffs(&self, rings: usize) -> Vec<Scuff> {
+    fn scuffs(&self, rings: usize, share: f64) -> Vec<Scuff> {
         let mut away = vec![false; self.mesh.triangles.len()];
         self.left.iter().flat_map(|crossing| crossing.triangles).for_each(|t| away[t as usize] = true);
         (0..rings).for_each(|_| grow(&self.mesh, &mut away));
@@ -107,7 +108,7 @@ impl Surface {
             .map(|triangles| Scuff { size: Span::of(&self.mesh, &triangles).size(), triangles });
         scuffs
             .filter(|scuff| {
-                scuff.size <= SMALL * self.sizes[self.shell_of[scuff.triangles[0] as usize] as usize]
+                scuff.size <= share * self.sizes[self.shell_of[scuff.triangles[0] as usize] as usize]
             })
             .collect()
     }
@@ -130,10 +131,19 @@ impl Surface {
         if !Sheets::of(&closed).is_closed() {
             return None;
         }
-        let left = crossings(&closed);
-        let next = Surface::of(closed, left);
+        let next = Surface::of(closed.clone(), self.left_of(&kept, &closed));
         let gone = (0..keep.len()).filter(|&t| !keep[t]).flat_map(|t| self.mesh.corners(t)).collect();
         (next.left.len() < self.left.len()).then_some((next, gone))
+    }
+
+    /// What still crosses in a surface whose first triangles are those kept, caps after them: of those kept it is known.
+    fn left_of(&self, kept: &[u32], closed: &TriangleMesh) -> Vec<Crossing> {
+        let mut left: Vec<Crossing> =
+            self.left.iter().filter_map(|crossing| renumbered(crossing, kept)).collect();
+        let mut groups = vec![0; closed.triangles.len()];
+        groups[kept.len()..].fill(LOOSE);
+        left.extend(crossings_between(closed, &groups));
+        left
     }
 
     /// Triangles of pieces, no larger than this, that no longer hang on the largest piece of their shell.
@@ -156,6 +166,12 @@ impl Surface {
         };
         pieces.iter().filter(is_scrap).flatten().copied().collect()
     }
+}
+
+/// A crossing by the places of its triangles in a list, if both are in it.
+fn renumbered(crossing: &Crossing, kept: &[u32]) -> Option<Crossing> {
+    let [one, other] = crossing.triangles.map(|t| kept.binary_search(&t).ok());
+    Some(Crossing { triangles: [one? as u32, other? as u32], place: crossing.place })
 }
 
 /// Adds the triangles that share a corner with one marked.
@@ -230,11 +246,12 @@ mod tests {
     use super::*;
     use crate::fixture::{ball, moved, together};
     use crate::volume::signed_volume;
+    use fibar_geometry::crossings::crossings;
 
     #[test]
     fn small_crossings_are_cut_out_and_nothing_else() {
         let whole = together(&[ball(10.0, 40), moved(ball(5.0, 30), [30.0, 0.0, 0.0])]);
-        assert!(smooth(&whole, &crossings(&whole)).is_none());
+        assert!(smooth(&whole, &crossings(&whole), SMALL).is_none());
         let mut scuffed = whole.clone();
         // A pit drawn aside below the surface, and a needle into it.
         for pit in [500, 3000, 6000] {
@@ -246,7 +263,7 @@ mod tests {
         }
         let found = crossings(&scuffed);
         assert!(!found.is_empty());
-        let smoothed = smooth(&scuffed, &found).expect("something crossed");
+        let smoothed = smooth(&scuffed, &found, SMALL).expect("something crossed");
         assert!(crossings(&smoothed.mesh).is_empty());
         let off = signed_volume(&smoothed.mesh) / signed_volume(&whole) - 1.0;
         assert!(off.abs() < 3e-3 && smoothed.displacement < 2.0 && smoothed.cut > 0, "{off}");

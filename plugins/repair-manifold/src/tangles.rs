@@ -1,22 +1,25 @@
 //! Tangles: places where one shell passes through itself.
 //!
-//! First the tangle is cut out by a box: within it the surface usually falls apart into strands that only overlap, such as two
-//! arms of a loop, and their union is what the shell was meant to enclose. Where it does not, as at a spike that leaves through the
-//! opposite wall, the triangles around the crossings are taken away and the hole is closed (after Attene 2010, "A lightweight
-//! approach to repairing digitized polygon meshes"). Either way the result is judged anew by exact predicates.
+//! First a tangle is cut out by a box: within it the surface may fall apart into strands that only overlap, such as two
+//! arms of a loop, and their union is what the shell was meant to enclose ([`strands`](crate::strands)). Where none does, as at a spike
+//! that leaves through the opposite wall, the triangles around all crossings are taken away and the holes are closed
+//! ([`scuffs`](crate::scuffs)), or, if that leaves no less, around one tangle after the other. Either way the result is judged anew.
 
+use crate::distance::farthest;
 use crate::holes::{close_all, holes};
+use crate::scuffs;
 use crate::sheets::Sheets;
+use crate::strands::part;
 use fibar_core::artefact::mesh::TriangleMesh;
 use fibar_geometry::crossings::{Crossing, crossings};
-use fibar_solid::{Solid, SolidError};
+use fibar_solid::SolidError;
 use glam::DVec3;
 use std::collections::BTreeSet;
 
 /// A shell without tangles.
 pub struct Untangled {
-    /// What it encloses.
-    pub solid: Solid,
+    /// Closed.
+    pub mesh: TriangleMesh,
     /// Tangles taken apart into strands.
     pub parted: usize,
     /// Tangles cut away.
@@ -41,55 +44,92 @@ impl From<SolidError> for Tangled {
 
 /// Untangles a closed shell.
 pub fn untangle(shell: &TriangleMesh) -> Result<Untangled, Tangled> {
-    let mut done = Untangled { solid: Solid::from_mesh(shell)?, parted: 0, cut: 0, displacement: 0.0 };
-    let mut mesh = shell.clone();
-    let mut left = crossings(&mesh);
-    while let Some(tangle) = tangles(&left).into_iter().next() {
-        // Each step has to leave less: so this ends.
-        let less = |solid: &Solid| Ok::<_, SolidError>(crossings(&solid.to_mesh()?).len() < left.len());
-        let parted = part(&done.solid, &tangle)?;
-        done.solid = match parted {
-            Some(parted) if less(&parted)? => {
-                done.parted += 1;
-                parted
-            }
-            _ => match cut_away(&mesh, &left, &tangle)? {
-                Some((solid, displacement)) => {
-                    done.cut += 1;
-                    done.displacement = done.displacement.max(displacement);
-                    solid
-                }
+    let mut done = Untangled { mesh: shell.clone(), parted: 0, cut: 0, displacement: 0.0 };
+    let mut left = crossings(&done.mesh);
+    while !left.is_empty() {
+        // Each step leaves less: so this ends.
+        left = match done.part_one(&left)? {
+            Some(less) => less,
+            None => match done.cut_all(&left).or_else(|| done.cut_one(&left)) {
+                Some(less) => less,
                 None => return Err(Tangled::Crossings(left)),
             },
         };
-        mesh = done.solid.to_mesh()?;
-        left = crossings(&mesh);
     }
     Ok(done)
 }
 
+impl Untangled {
+    /// Parts the first tangle that falls apart; gives what still crosses.
+    fn part_one(&mut self, left: &[Crossing]) -> Result<Option<Vec<Crossing>>, SolidError> {
+        for tangle in tangles(left) {
+            let Some(mesh) = part(&self.mesh, &tangle, left)? else { continue };
+            let less = crossings(&mesh);
+            if less.len() < left.len() {
+                self.parted += 1;
+                self.mesh = mesh;
+                return Ok(Some(less));
+            }
+        }
+        Ok(None)
+    }
+
+    /// Cuts all out at once.
+    fn cut_all(&mut self, left: &[Crossing]) -> Option<Vec<Crossing>> {
+        let smoothed = scuffs::smooth(&self.mesh, left, f64::INFINITY)?;
+        let less = crossings(&smoothed.mesh);
+        (less.len() < left.len()).then(|| {
+            self.note_cut(smoothed.mesh, smoothed.cut, smoothed.displacement);
+            less
+        })
+    }
+
+    /// Cuts away the first tangle that can be, ever more triangles around its crossings, until the closed hole crosses less.
+    fn cut_one(&mut self, left: &[Crossing]) -> Option<Vec<Crossing>> {
+        const RINGS: usize = 4;
+        for tangle in tangles(left) {
+            let within = tangle.grown(0.01);
+            let here = |c: &&Crossing| within.meets(&Tangle { low: c.place, high: c.place });
+            let mut away: BTreeSet<u32> =
+                left.iter().filter(here).flat_map(|crossing| crossing.triangles).collect();
+            for _ in 0..RINGS {
+                if let Some((mesh, less)) = close_without(&self.mesh, &away, left.len()) {
+                    let displacement = distance_of(&self.mesh, &away, &mesh);
+                    self.note_cut(mesh, 1, displacement);
+                    return Some(less);
+                }
+                away = with_neighbours(&self.mesh, &away);
+            }
+        }
+        None
+    }
+
+    fn note_cut(&mut self, mesh: TriangleMesh, cut: usize, displacement: f64) {
+        self.mesh = mesh;
+        self.cut += cut;
+        self.displacement = self.displacement.max(displacement);
+    }
+}
+
 /// A box around crossings that belong together.
 #[derive(Clone, Debug)]
-struct Tangle {
-    low: DVec3,
-    high: DVec3,
+pub struct Tangle {
+    /// Its lowest corner, mm.
+    pub low: DVec3,
+    /// Its highest corner, mm.
+    pub high: DVec3,
 }
 
 impl Tangle {
-    fn grown(&self, by: f64) -> Tangle {
+    /// The box with a margin of this share of its diagonal.
+    pub fn grown(&self, by: f64) -> Tangle {
         let margin = self.low.distance(self.high) * by;
         Tangle { low: self.low - margin, high: self.high + margin }
     }
 
-    fn meets(&self, other: &Tangle) -> bool {
+    /// Whether two have a point in common.
+    pub fn meets(&self, other: &Tangle) -> bool {
         self.low.cmple(other.high).all() && other.low.cmple(self.high).all()
-    }
-
-    fn block(&self) -> Result<Solid, SolidError> {
-        let corner = |k: usize| {
-            DVec3::from_array(std::array::from_fn(|axis| [self.low, self.high][k >> axis & 1][axis]))
-        };
-        Solid::hull(&(0..8).map(corner).collect::<Vec<_>>())
     }
 }
 
@@ -113,53 +153,12 @@ fn tangles(crossings: &[Crossing]) -> Vec<Tangle> {
     tangles.into_iter().map(|(_, tangle)| tangle).collect()
 }
 
-/// Parts a tangle into strands, if within some box around it they hang together nowhere.
-fn part(solid: &Solid, tangle: &Tangle) -> Result<Option<Solid>, SolidError> {
-    for margin in [0.3, 0.05, 1.0] {
-        let block = tangle.grown(margin).block()?;
-        if block.is_empty() {
-            continue;
-        }
-        let strands = solid.intersect(&block)?.components()?;
-        let is_sound = |strand: &Solid| {
-            Ok::<bool, SolidError>(strand.volume() > 0.0 && crossings(&strand.to_mesh()?).is_empty())
-        };
-        let sound: Vec<bool> = strands.iter().map(is_sound).collect::<Result<_, _>>()?;
-        if strands.len() > 1 && sound.iter().all(|&sound| sound) {
-            let rest = solid.subtract([&block])?;
-            return Ok(Some(Solid::union(strands.iter().chain([&rest]))?));
-        }
-    }
-    Ok(None)
-}
-
-/// Takes the triangles around the crossings of a tangle away, ever more of them, until the closed hole crosses less; with how far
-/// what went lies from the new surface, mm.
-fn cut_away(
-    mesh: &TriangleMesh,
-    left: &[Crossing],
-    tangle: &Tangle,
-) -> Result<Option<(Solid, f64)>, SolidError> {
-    const RINGS: usize = 4;
-    let within = tangle.grown(0.01);
-    let here = |c: &&Crossing| within.meets(&Tangle { low: c.place, high: c.place });
-    let mut away: BTreeSet<u32> = left.iter().filter(here).flat_map(|crossing| crossing.triangles).collect();
-    for _ in 0..RINGS {
-        if let Some(solid) = close_without(mesh, &away, left.len())? {
-            let displacement = distance_of(mesh, &away, &solid)?;
-            return Ok(Some((solid, displacement)));
-        }
-        away = with_neighbours(mesh, &away);
-    }
-    Ok(None)
-}
-
-/// The shell without some triangles, its holes closed; nothing if it would be worse than before.
+/// The shell without some triangles, its holes closed, and what crosses then; nothing if it would be worse than before.
 fn close_without(
     mesh: &TriangleMesh,
     away: &BTreeSet<u32>,
     crossings_before: usize,
-) -> Result<Option<Solid>, SolidError> {
+) -> Option<(TriangleMesh, Vec<Crossing>)> {
     let kept = (0u32..).zip(&mesh.triangles).filter(|(t, _)| !away.contains(t));
     let rest = TriangleMesh {
         vertices: mesh.vertices.clone(),
@@ -167,14 +166,14 @@ fn close_without(
     };
     let sheets = Sheets::of(&rest);
     // What was cut off by the cut is a scrap of the tangle: the largest sheet is the shell.
-    let Some(shell) = sheets.shells().into_iter().max_by_key(Vec::len) else { return Ok(None) };
+    let shell = sheets.shells().into_iter().max_by_key(Vec::len)?;
     let triangles = shell.into_iter().map(|t| sheets.mesh.triangles[t as usize]).collect();
     let sheets = Sheets::of(&TriangleMesh { vertices: sheets.mesh.vertices, triangles });
     let mut closed = sheets.mesh.clone();
     close_all(&holes(&sheets), &mut closed);
     let sheets = Sheets::of(&closed);
-    let better = sheets.is_closed() && crossings(&sheets.mesh).len() < crossings_before;
-    Ok(if better { Some(Solid::from_mesh(&sheets.mesh)?) } else { None })
+    let left = sheets.is_closed().then(|| crossings(&sheets.mesh))?;
+    (left.len() < crossings_before).then_some((sheets.mesh, left))
 }
 
 fn with_neighbours(mesh: &TriangleMesh, triangles: &BTreeSet<u32>) -> BTreeSet<u32> {
@@ -183,12 +182,10 @@ fn with_neighbours(mesh: &TriangleMesh, triangles: &BTreeSet<u32>) -> BTreeSet<u
     (0u32..).zip(&mesh.triangles).filter(touches).map(|(t, _)| t).collect()
 }
 
-/// Greatest distance of the corners of some triangles from a solid's surface, mm.
-fn distance_of(mesh: &TriangleMesh, triangles: &BTreeSet<u32>, solid: &Solid) -> Result<f64, SolidError> {
-    let surface = solid.to_mesh()?;
+/// Greatest distance of the corners of some triangles from another surface, mm.
+fn distance_of(mesh: &TriangleMesh, triangles: &BTreeSet<u32>, surface: &TriangleMesh) -> f64 {
     let corners: BTreeSet<u32> = triangles.iter().flat_map(|&t| mesh.triangles[t as usize]).collect();
-    let places = corners.iter().map(|&v| mesh.vertices[v as usize]);
-    Ok(crate::distance::farthest(places, &surface))
+    farthest(corners.iter().map(|&v| mesh.vertices[v as usize]), surface)
 }
 
 #[cfg(test)]
@@ -241,10 +238,9 @@ mod tests {
         assert!(before > 0);
         let done = untangle(&shell).ok().expect("strands come apart");
         assert_eq!((done.parted, done.cut), (1, 0));
-        let mesh = done.solid.to_mesh().unwrap();
-        assert!(crossings(&mesh).is_empty());
+        assert!(crossings(&done.mesh).is_empty());
         // Where the arms cross they share about 2 × 2 × 1.7 mm.
-        let shared = signed_volume(&shell) - done.solid.volume();
+        let shared = signed_volume(&shell) - signed_volume(&done.mesh);
         assert!((5.0..8.1).contains(&shared), "{shared} mm³");
     }
 
@@ -257,7 +253,11 @@ mod tests {
         shell.vertices[top.unwrap()] = DVec3::new(0.3, 0.2, -14.0);
         assert!(!crossings(&shell).is_empty());
         let done = untangle(&shell).ok().expect("the spike goes");
-        assert!(crossings(&done.solid.to_mesh().unwrap()).is_empty());
-        assert!((done.solid.volume() - whole).abs() < 0.02 * whole, "{} of {whole}", done.solid.volume());
+        assert!(crossings(&done.mesh).is_empty());
+        assert!(
+            (signed_volume(&done.mesh) - whole).abs() < 0.02 * whole,
+            "{} of {whole}",
+            signed_volume(&done.mesh)
+        );
     }
 }
