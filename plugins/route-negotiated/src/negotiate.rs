@@ -213,23 +213,19 @@ pub fn make_room(
         Effort::Thorough => (80, &[0.02, 0.04, 0.08, 0.15, 0.3, 0.6, 1.2, 2.4]),
     };
     let steps = MinimiseOptions { iterations, least_gain: 1e-3, patience: 10, longest_step: 2.0 };
-    let alone = |strand: &Strand| Alone {
-        course: strand.course.clone(),
-        loss: loss_of(world, &strand.course),
-        looked_at: 0.0,
-    };
-    let mut alone: Vec<Alone> = strands.par_iter().map(alone).collect();
+    let alone =
+        |strand: &Strand| Alone { course: strand.course.clone(), loss: loss_of(world, &strand.course) };
+    let alone: Vec<Alone> = strands.par_iter().map(alone).collect();
     let distance = params.apart() + APART_MARGIN;
     for (round, &weight) in weights.iter().enumerate() {
         let share = |t: f64| 0.3 + 0.5 * (round as f64 + t) / weights.len() as f64;
         if !bundled && round > 0 && round + 1 < weights.len() {
             let options = Reroute {
                 apart: Apart { distance, weight: weight.min(WHILE_LOOKING) },
-                least_excess: 0.2,
-                least_rise: 0.1,
+                least_excess: 0.1,
                 aside: 6.0,
             };
-            let changed = reroute::pass(world, strands, &mut alone, &options, &mut |t| {
+            let changed = reroute::pass(world, strands, &alone, &options, &mut |t| {
                 job.progress(share(0.7 * t), "other ways")
             })?;
             job.log("info", &format!("{changed} fibres took another way"));
@@ -301,7 +297,7 @@ fn at_fault(strands: &[Strand], faults: &Faults) -> Vec<usize> {
 /// cheaper in all; with fresh limits.
 fn start_again(world: &World, strands: &mut [Strand], stuck: &[usize], alone: &[Alone], apart: Apart) {
     const ASIDE_MM: f64 = 6.0;
-    let options = Reroute { apart, least_excess: 0.0, least_rise: 0.0, aside: ASIDE_MM };
+    let options = Reroute { apart, least_excess: 0.0, aside: ASIDE_MM };
     let put_back = |order: &mut dyn Iterator<Item = usize>| {
         let mut crowd = Crowd::within(world.room.surface().bounds());
         let others = strands.iter().enumerate();

@@ -22,8 +22,6 @@ pub struct Reroute {
     pub apart: Apart,
     /// Only fibres that lose at least this much more than alone are ripped up.
     pub least_excess: f64,
-    /// Only those that lose this much more than when other ways were last looked for.
-    pub least_rise: f64,
     /// How far new ways lead to the side, mm.
     pub aside: f64,
 }
@@ -34,23 +32,19 @@ pub struct Alone {
     pub course: Course,
     /// What that loses.
     pub loss: f64,
-    /// What the fibre lost when other ways were last looked for; they are not again unless it loses more.
-    pub looked_at: f64,
 }
 
 /// Rips up fibres one after the other, worst first; each takes the cheapest way found between the others. Returns how many changed.
 pub fn pass(
     world: &World,
     strands: &mut [Strand],
-    alone: &mut [Alone],
+    alone: &[Alone],
     options: &Reroute,
     check: &mut dyn FnMut(f64) -> Result<(), fibar_plugin::StageError>,
 ) -> Result<usize, fibar_plugin::StageError> {
     let losses: Vec<f64> = strands.par_iter().map(|s| loss_of(world, &s.course)).collect();
     let excess = |k: usize| losses[k] - alone[k].loss;
-    let is_ripped =
-        |&k: &usize| excess(k) > options.least_excess && losses[k] > alone[k].looked_at + options.least_rise;
-    let mut order: Vec<usize> = (0..strands.len()).filter(is_ripped).collect();
+    let mut order: Vec<usize> = (0..strands.len()).filter(|&k| excess(k) > options.least_excess).collect();
     order.sort_by(|&a, &b| excess(b).total_cmp(&excess(a)).then(a.cmp(&b)));
     let mut changed = 0;
     let mut crowd = Crowd::within(world.room.surface().bounds());
@@ -59,7 +53,6 @@ pub fn pass(
         check(done as f64 / order.len() as f64)?;
         let (course, is_new) = cheapest_way(world, &crowd, &strands[k], &alone[k].course, options);
         strands[k].course = course;
-        alone[k].looked_at = loss_of(world, &strands[k].course);
         crowd.replace(k, strands[k].segments(world));
         changed += usize::from(is_new);
     }
