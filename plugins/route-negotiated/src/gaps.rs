@@ -78,10 +78,10 @@ impl Ball {
     }
 }
 
-/// All pairs of different patterns whose axes are less than `apart` mm apart, in order.
-pub fn contacts(strands: &[Chords], apart: f64) -> Vec<Contact> {
+/// The pairs of different patterns whose axes are less than `apart` mm apart, of those that are asked for, in order.
+pub fn contacts(strands: &[Chords], apart: f64, asked: impl Fn([usize; 2]) -> bool + Sync) -> Vec<Contact> {
     let of = |a: usize| {
-        let others = (0..a).filter(|&b| strands[a].pattern != strands[b].pattern);
+        let others = (0..a).filter(|&b| strands[a].pattern != strands[b].pattern && asked([b, a]));
         others.filter_map(|b| contact([b, a], strands, apart)).collect::<Vec<Contact>>()
     };
     (0..strands.len()).into_par_iter().map(of).collect::<Vec<_>>().concat()

@@ -20,19 +20,27 @@ impl Faults {
     pub fn of(world: &World, strands: &[Strand], apart: f64) -> Faults {
         let looks: Vec<(Chords, Flaws)> = strands.par_iter().map(|strand| look(world, strand)).collect();
         let (chords, flaws): (Vec<Chords>, Vec<Flaws>) = looks.into_iter().unzip();
-        Faults { contacts: contacts(&chords, apart), flaws, chords }
+        Faults { contacts: contacts(&chords, apart, |_| true), flaws, chords }
     }
 
-    /// Looks again, at strands that are not held; the others are as they were.
-    pub fn look_again(&mut self, world: &World, strands: &[Strand], apart: f64) {
-        let looks = strands.par_iter().map(|strand| (!strand.held).then(|| look(world, strand)));
+    /// Looks again, at strands that have moved; the others are as they were.
+    pub fn look_again(
+        &mut self,
+        world: &World,
+        strands: &[Strand],
+        moved: impl Fn(usize) -> bool + Sync,
+        apart: f64,
+    ) {
+        let looks = strands.par_iter().enumerate().map(|(k, strand)| moved(k).then(|| look(world, strand)));
         let looks: Vec<Option<(Chords, Flaws)>> = looks.collect();
         for (k, look) in looks.into_iter().enumerate() {
             if let Some(look) = look {
                 (self.chords[k], self.flaws[k]) = look;
             }
         }
-        self.contacts = contacts(&self.chords, apart);
+        self.contacts.retain(|contact| !contact.strands.into_iter().any(&moved));
+        self.contacts.extend(contacts(&self.chords, apart, |pair| pair.into_iter().any(&moved)));
+        self.contacts.sort_by_key(|contact| [contact.strands[1], contact.strands[0]]);
     }
 
     /// Whether all limits are kept.

@@ -274,7 +274,7 @@ pub fn finish(
             moving.iter().copied().filter(|k| round % 5 == 4 || (round > 0 && kinked(k))).collect();
         if !stuck.is_empty() {
             start_again(world, strands, &stuck, alone, Apart { weight: 1.0, ..apart });
-            faults = Faults::of(world, strands, params.apart());
+            faults.look_again(world, strands, |k| stuck.contains(&k), params.apart());
         }
         urge(strands, &faults, params.apart());
         let moving = at_fault(strands, &faults);
@@ -282,7 +282,7 @@ pub fn finish(
             strand.held = moving.binary_search(&k).is_err();
         }
         settle(world, strands, apart, steps);
-        faults.look_again(world, strands, params.apart());
+        faults.look_again(world, strands, |k| moving.binary_search(&k).is_ok(), params.apart());
     }
     strands.iter_mut().for_each(|strand| strand.held = strand.kept);
     Ok(faults.none())
