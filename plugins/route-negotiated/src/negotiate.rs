@@ -15,7 +15,7 @@ use crate::neck::{self, Sizes, Way};
 use crate::nets::Net;
 use crate::omit::Routing;
 use crate::params::{Effort, OnMisfit, Params};
-use crate::reroute::{self, Alone, Reroute, loss_of};
+use crate::reroute::{self, Alone, Looks, Reroute, loss_of};
 use crate::trunks;
 use fibar_geometry::alone::{Flaws, Watched, World, find};
 use fibar_geometry::course::costs::Limits;
@@ -217,6 +217,7 @@ pub fn make_room(
         |strand: &Strand| Alone { course: strand.course.clone(), loss: loss_of(world, &strand.course) };
     let alone: Vec<Alone> = strands.par_iter().map(alone).collect();
     let distance = params.apart() + APART_MARGIN;
+    let mut looks = Looks::new(world, strands);
     for (round, &weight) in weights.iter().enumerate() {
         let share = |t: f64| 0.3 + 0.5 * (round as f64 + t) / weights.len() as f64;
         if !bundled && round > 0 && round + 1 < weights.len() {
@@ -225,7 +226,7 @@ pub fn make_room(
                 least_excess: 0.1,
                 aside: 6.0,
             };
-            let changed = reroute::pass(world, strands, &alone, &options, &mut |t| {
+            let changed = reroute::pass(world, strands, &alone, &mut looks, &options, &mut |t| {
                 job.progress(share(0.7 * t), "other ways")
             })?;
             job.log("info", &format!("{changed} fibres took another way"));

@@ -1,6 +1,7 @@
 //! Rip-up: a fibre that lost much light to its neighbours looks for another way between them.
 
-use crate::crowd::Crowd;
+use crate::crowd::{Crowd, Segment};
+
 use crate::joint::{Apart, Strand, settle_among};
 use fibar_geometry::alone::World;
 use fibar_geometry::course::{Course, costs};
@@ -34,11 +35,44 @@ pub struct Alone {
     pub loss: f64,
 }
 
+/// Which fibres are worth a look: those for which none was in vain, those that lose more since, and those in whose way others have been or
+/// are now.
+pub struct Looks {
+    /// The best courses alone.
+    alone: Crowd,
+    /// What a fibre lost after the last look, if nothing has changed about it since.
+    in_vain: Vec<Option<f64>>,
+}
+
+impl Looks {
+    /// Every fibre is.
+    pub fn new(world: &World, strands: &[Strand]) -> Looks {
+        let mut alone = Crowd::within(world.room.surface().bounds());
+        strands.iter().for_each(|strand| alone.push(strand.segments(world)));
+        Looks { alone, in_vain: vec![None; strands.len()] }
+    }
+
+    /// Whether a fibre that loses this much is.
+    fn is_worth(&self, strand: usize, loss: f64) -> bool {
+        const RISE: f64 = 0.1;
+        self.in_vain[strand].is_none_or(|before| loss > before + RISE)
+    }
+
+    /// A course was given up, or taken: fibres whose best ways it is near are worth a look again.
+    fn change(&mut self, course: &[Segment], distance: f64) {
+        for segment in course {
+            self.alone
+                .for_each_near(segment, distance, |[strand, _], _| self.in_vain[strand as usize] = None);
+        }
+    }
+}
+
 /// Rips up fibres one after the other, worst first; each takes the cheapest way found between the others. Returns how many changed.
 pub fn pass(
     world: &World,
     strands: &mut [Strand],
     alone: &[Alone],
+    looks: &mut Looks,
     options: &Reroute,
     check: &mut dyn FnMut(f64) -> Result<(), fibar_plugin::StageError>,
 ) -> Result<usize, fibar_plugin::StageError> {
@@ -51,9 +85,20 @@ pub fn pass(
     strands.iter().for_each(|strand| crowd.push(strand.segments(world)));
     for (done, &k) in order.iter().enumerate() {
         check(done as f64 / order.len() as f64)?;
+        if !looks.is_worth(k, losses[k]) {
+            continue;
+        }
+        let before = strands[k].segments(world);
         let (course, is_new) = cheapest_way(world, &crowd, &strands[k], &alone[k].course, options);
         strands[k].course = course;
-        crowd.replace(k, strands[k].segments(world));
+        let now = strands[k].segments(world);
+        if is_new {
+            let distance = options.apart.distance + options.aside;
+            looks.change(&before, distance);
+            looks.change(&now, distance);
+        }
+        looks.in_vain[k] = Some(loss_of(world, &strands[k].course));
+        crowd.replace(k, now);
         changed += usize::from(is_new);
     }
     Ok(changed)
