@@ -1,7 +1,6 @@
 //! Rip-up: a fibre that lost much light to its neighbours looks for another way between them.
 
 use crate::crowd::{Crowd, Segment};
-
 use crate::joint::{Apart, Strand, settle_among};
 use fibar_geometry::alone::World;
 use fibar_geometry::course::{Course, costs};
