@@ -39,6 +39,9 @@ pub struct Outcome {
 /// Beyond the distance that has to be kept, mm, so that what is soft can be kept hard.
 const APART_MARGIN: f64 = 0.02;
 
+/// How far new ways lead to the side, mm.
+const ASIDE_MM: f64 = 6.0;
+
 /// Routes all nets.
 pub fn route(
     world: &World,
@@ -111,8 +114,9 @@ fn fit(
         strands.iter_mut().zip(bundled).for_each(|(strand, (_, course))| strand.course = course);
     }
     let alone = make_room(world, &mut strands, crowded.is_some(), params, job)?;
-    let mut routing = Routing { nets: courses.iter().map(|(net, _)| *net).collect(), strands, alone };
-    if !finish(world, &mut routing.strands, &routing.alone, params, job)? {
+    let nets_of: Vec<usize> = courses.iter().map(|(net, _)| *net).collect();
+    let mut routing = Routing { nets: nets_of, settled: strands.clone(), strands, alone };
+    if !finish(world, &mut routing.strands, &routing.alone, ROUNDS, params, job)? {
         /// So few may be sorted by taking some out; more would take long to no avail.
         const FEW_AT_FAULT: usize = 8;
         let crowding = routing.crowding(world, nets, params);
@@ -224,7 +228,7 @@ pub fn make_room(
             let options = Reroute {
                 apart: Apart { distance, weight: weight.min(WHILE_LOOKING) },
                 least_excess: 0.1,
-                aside: 6.0,
+                aside: ASIDE_MM,
             };
             let changed = reroute::pass(world, strands, &alone, &mut looks, &options, &mut |t| {
                 job.progress(share(0.7 * t), "other ways")
@@ -237,19 +241,45 @@ pub fn make_room(
     Ok(alone)
 }
 
+/// Rounds of [`finish`] for a whole routing; among fibres that are kept, where some give way if there is no room; and for one fibre more.
+pub const ROUNDS: u32 = 20;
+pub const ROUNDS_AMONG_KEPT: u32 = 10;
+pub const ROUNDS_FOR_ONE: u32 = 4;
+/// Every so many rounds all that are still at fault are taken out and put back.
+const ROUNDS_TO_A_START: u32 = 5;
+
+/// All settle together, closeness costing much.
+pub fn settle_anew(world: &World, strands: &mut [Strand], params: &Params) {
+    let steps = MinimiseOptions { iterations: 40, least_gain: 1e-3, patience: 10, longest_step: 2.0 };
+    settle(world, strands, Apart { distance: params.apart() + APART_MARGIN, weight: 2.0 }, steps);
+}
+
+/// A fibre on the cheapest way found for it among others that stay.
+pub fn put_among(world: &World, others: &[Strand], net: &Net, alone: &Course, params: &Params) -> Strand {
+    let mut crowd = Crowd::within(world.room.surface().bounds());
+    others.iter().for_each(|strand| crowd.push(strand.segments(world)));
+    let strand = strand(net, alone, params);
+    let apart = Apart { distance: params.apart() + APART_MARGIN, weight: 1.0 };
+    let options = Reroute { apart, least_excess: 0.0, aside: ASIDE_MM };
+    match reroute::new_way((world, &crowd, &strand), alone, &options, None) {
+        Some((_, course)) => Strand { course, ..strand },
+        None => strand,
+    }
+}
+
 /// Moves what breaks a limit until nothing does, all else held; whether that came to an end.
 pub fn finish(
     world: &World,
     strands: &mut [Strand],
     alone: &[Alone],
+    rounds: u32,
     params: &Params,
     job: &mut Job,
 ) -> Result<bool, StageError> {
-    // Among fibres that are kept it is soon seen whether there is room; if not, some of them give way.
-    let rounds: u32 = if strands.iter().any(|strand| strand.kept) { 10 } else { 20 };
     let steps = MinimiseOptions { iterations: 100, least_gain: 1e-4, patience: 10, longest_step: 1.0 };
     let apart = Apart { distance: params.apart() + APART_MARGIN, weight: 4.0 };
     let mut faults = Faults::of(world, strands, params.apart());
+    let mut progress = Progress::default();
     for round in 0..rounds {
         job.progress(0.8 + 0.15 * f64::from(round) / f64::from(rounds), "limits")?;
         job.log(
@@ -267,12 +297,15 @@ pub fn finish(
             return Ok(true);
         }
         let moving = at_fault(strands, &faults);
-        if moving.is_empty() {
-            return Ok(false);
+        if moving.is_empty() || progress.has_ended(round, faults.sum(params.apart())) {
+            break;
         }
         let kinked = |k: &usize| faults.flaws[*k].bend > 0.5;
-        let stuck: Vec<usize> =
-            moving.iter().copied().filter(|k| round % 5 == 4 || (round > 0 && kinked(k))).collect();
+        let stuck: Vec<usize> = moving
+            .iter()
+            .copied()
+            .filter(|k| round % ROUNDS_TO_A_START == ROUNDS_TO_A_START - 1 || (round > 0 && kinked(k)))
+            .collect();
         if !stuck.is_empty() {
             start_again(world, strands, &stuck, alone, Apart { weight: 1.0, ..apart });
             faults.look_again(world, strands, |k| stuck.contains(&k), params.apart());
@@ -289,6 +322,31 @@ pub fn finish(
     Ok(faults.none())
 }
 
+/// Whether starting again still helps.
+#[derive(Default)]
+struct Progress {
+    /// Least that was wrong before the last start, and since.
+    least: [Option<f64>; 2],
+}
+
+impl Progress {
+    /// Told every round how much is wrong: whether the last start left more than half of it.
+    fn has_ended(&mut self, round: u32, wrong: f64) -> bool {
+        const WORTH_IT: f64 = 0.5;
+        let [before, since] = &mut self.least;
+        *since = Some(since.map_or(wrong, |least| least.min(wrong)));
+        if round % ROUNDS_TO_A_START != ROUNDS_TO_A_START - 1 {
+            return false;
+        }
+        let ended = before.zip(*since).is_some_and(|(before, since)| since > WORTH_IT * before);
+        *before = match (*before, since.take()) {
+            (Some(a), Some(b)) => Some(a.min(b)),
+            (a, b) => a.or(b),
+        };
+        ended
+    }
+}
+
 /// The strands that have to move and may, in order.
 fn at_fault(strands: &[Strand], faults: &Faults) -> Vec<usize> {
     faults.strands().into_iter().filter(|&k| !strands[k].kept).collect()
@@ -297,7 +355,6 @@ fn at_fault(strands: &[Strand], faults: &Faults) -> Vec<usize> {
 /// Takes stuck fibres out and puts them back one after the other, in the order of their numbers or the reverse, whichever is
 /// cheaper in all; with fresh limits.
 fn start_again(world: &World, strands: &mut [Strand], stuck: &[usize], alone: &[Alone], apart: Apart) {
-    const ASIDE_MM: f64 = 6.0;
     let options = Reroute { apart, least_excess: 0.0, aside: ASIDE_MM };
     let put_back = |order: &mut dyn Iterator<Item = usize>| {
         let mut crowd = Crowd::within(world.room.surface().bounds());

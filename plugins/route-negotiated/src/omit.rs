@@ -1,7 +1,7 @@
 //! Fibres that do not find together: some are taken out, and put back where there is room then.
 //!
-//! Those most at fault go, the others go on from where they are, until every limit is kept. Then each that went is tried once more
-//! among those that stayed. Often all are back in the end; if not, the markers of the rest are left out.
+//! Those most at fault go, the others settle anew from where they were before limits were asked for, until every limit is kept. Then each
+//! that went looks for a way among those that stayed. Often all are back in the end; if not, the markers of the rest are left out.
 
 use crate::inspect::Faults;
 use crate::joint::Strand;
@@ -14,14 +14,16 @@ use fibar_core::MarkerId;
 use fibar_geometry::alone::{Watched, World};
 use fibar_geometry::course::Course;
 use fibar_plugin::{Job, StageError};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
-/// A routing under way; all three lists in the same order.
+/// A routing under way; all lists in the same order.
 pub struct Routing {
     /// Numbers of the nets.
     pub nets: Vec<usize>,
     /// Their courses as they are now.
     pub strands: Vec<Strand>,
+    /// As they had settled, before limits were asked for.
+    pub settled: Vec<Strand>,
     /// What they were before they met.
     pub alone: Vec<Alone>,
 }
@@ -61,10 +63,12 @@ impl Routing {
                 return Ok(None);
             }
             for k in worst.into_iter().rev() {
-                self.strands.remove(k);
+                self.settled.remove(k);
                 out.push((self.nets.remove(k), self.alone.remove(k)));
             }
-            self.finish(world, params, job)?;
+            negotiate::settle_anew(world, &mut self.settled, params);
+            self.strands = self.settled.clone();
+            self.finish(world, negotiate::ROUNDS, params, job)?;
         }
         let mut left_out: Vec<MarkerId> = vec![];
         for (net, alone) in out.into_iter().rev() {
@@ -87,10 +91,10 @@ impl Routing {
     ) -> Result<bool, StageError> {
         let at = self.nets.partition_point(|other| *other < number);
         let before = self.strands.clone();
-        self.strands.insert(at, negotiate::strand(net, &alone.course, params));
+        self.strands.insert(at, negotiate::put_among(world, &self.strands, net, &alone.course, params));
         self.alone.insert(at, alone);
         self.nets.insert(at, number);
-        let fits = self.finish(world, params, job)?;
+        let fits = self.finish(world, negotiate::ROUNDS_FOR_ONE, params, job)?;
         if !fits {
             self.strands = before;
             self.alone.remove(at);
@@ -99,17 +103,24 @@ impl Routing {
         Ok(fits)
     }
 
-    /// Moves what breaks a limit, with limits as they were at first.
-    fn finish(&mut self, world: &World, params: &Params, job: &mut Job) -> Result<bool, StageError> {
-        for strand in &mut self.strands {
+    /// Moves what breaks a limit, with its limits as they were at first.
+    fn finish(
+        &mut self,
+        world: &World,
+        rounds: u32,
+        params: &Params,
+        job: &mut Job,
+    ) -> Result<bool, StageError> {
+        for k in Faults::of(world, &self.strands, params.apart()).strands() {
+            let strand = &mut self.strands[k];
             let limits = negotiate::limits(params);
             *strand = Strand { margin: 0.0, limits, watched: Watched::default(), ..strand.clone() };
         }
-        finish(world, &mut self.strands, &self.alone, params, job)
+        finish(world, &mut self.strands, &self.alone, rounds, params, job)
     }
 }
 
-/// The strands most at fault, in order, no two of them in contact: one of every jam.
+/// The strand most at fault of every jam, in order: what is in contact, through others too, is one.
 fn worst(faults: &Faults, apart: f64) -> Vec<usize> {
     let mut blame: BTreeMap<usize, f64> = BTreeMap::new();
     for contact in &faults.contacts {
@@ -123,15 +134,29 @@ fn worst(faults: &Faults, apart: f64) -> Vec<usize> {
     }
     let mut order: Vec<usize> = blame.keys().copied().collect();
     order.sort_by(|a, b| blame[b].total_cmp(&blame[a]).then(a.cmp(b)));
+    let mut jammed: BTreeSet<usize> = BTreeSet::new();
     let mut worst: Vec<usize> = vec![];
     for k in order {
-        let meets = |other: &usize| {
-            faults.contacts.iter().any(|c| c.strands.contains(&k) && c.strands.contains(other))
-        };
-        if !worst.iter().any(meets) {
+        if !jammed.contains(&k) {
             worst.push(k);
+            jammed.extend(in_contact(k, faults));
         }
     }
     worst.sort_unstable();
     worst
+}
+
+/// A strand and all that are in contact with it, through others too.
+fn in_contact(strand: usize, faults: &Faults) -> BTreeSet<usize> {
+    let mut found = BTreeSet::from([strand]);
+    let mut open = vec![strand];
+    while let Some(k) = open.pop() {
+        for [a, b] in faults.contacts.iter().map(|contact| contact.strands).filter(|pair| pair.contains(&k)) {
+            let other = if a == k { b } else { a };
+            if found.insert(other) {
+                open.push(other);
+            }
+        }
+    }
+    found
 }

@@ -143,7 +143,9 @@ fn attempt(
     }
     place_mouths(&mut strands, params);
     let alone = make_room(world, &mut strands, false, params, job)?;
-    let fits = finish(world, &mut strands, &alone, params, job)?;
+    let kept = strands.iter().any(|strand| strand.kept);
+    let rounds = if kept { negotiate::ROUNDS_AMONG_KEPT } else { negotiate::ROUNDS };
+    let fits = finish(world, &mut strands, &alone, rounds, params, job)?;
     if fits {
         polish(world, &mut strands, params);
     }
