@@ -22,7 +22,7 @@ const ROW: usize = 5;
 pub const LOSS_PER_MM2: f64 = 0.0008;
 /// Clashes are whole multiples of this, so that sums do not depend on their order, mm².
 pub const GRAIN_MM2: f64 = 1.0 / 16.0;
-/// Up to so many pairs of courses what was found is kept.
+/// Up to so many pairs of courses what was found is kept: 256 MB.
 const KEPT: usize = 1 << 26;
 /// Not found yet.
 const UNKNOWN: u32 = u32::MAX;
@@ -32,6 +32,7 @@ pub struct Clashes {
     /// By site, then by code from 1.
     tubes: Vec<Option<Tube>>,
     codes: usize,
+    /// By the later course of a pair, then by the earlier one.
     found: Vec<AtomicU32>,
 }
 
@@ -55,7 +56,7 @@ impl Clashes {
             let reached = courses.target_at(site.position).ok_or_else(strange)?;
             tubes.extend(by_code.iter().map(|&led| Tube::along(&reached.curves[led])));
         }
-        let pairs = tubes.len() * tubes.len();
+        let pairs = pair_number(0, tubes.len());
         let found =
             if pairs <= KEPT { (0..pairs).map(|_| AtomicU32::new(UNKNOWN)).collect() } else { vec![] };
         Ok(Clashes { tubes, codes: by_code.len(), found })
@@ -70,7 +71,7 @@ impl Clashes {
         let place = |site: usize, code: u8| site * self.codes + usize::from(code) - 1;
         let (a, b) = (place(site, code), place(other, other_code));
         let (a, b) = (a.min(b), a.max(b));
-        let kept = self.found.get(a * self.tubes.len() + b);
+        let kept = self.found.get(pair_number(a, b));
         let known = kept.map_or(UNKNOWN, |kept| kept.load(Ordering::Relaxed));
         if known != UNKNOWN {
             return known;
@@ -85,6 +86,11 @@ impl Clashes {
         }
         clash
     }
+}
+
+/// Pairs of an earlier and a later of some things, in a row: (0, 0), (0, 1), (1, 1), (0, 2), …
+fn pair_number(earlier: usize, later: usize) -> usize {
+    later * (later + 1) / 2 + earlier
 }
 
 const HINT: &str = "put bound-light between place-visibility, socket-led and this stage";
