@@ -1,7 +1,8 @@
 //! Scuffs: places, small beside their shell, where a surface passes through itself, as scans have them by the hundred.
 //!
 //! All of them are cut out at once and the holes closed; what still crosses then is cut out with a ring of triangles more, and so on
-//! (after Attene 2010, "A lightweight approach to repairing digitized polygon meshes"). What is not small is left to `tangles`.
+//! (after Attene 2010, "A lightweight approach to repairing digitized polygon meshes"). What is not small, and what
+//! would take more than discs out of the surface, is left to `tangles`.
 
 use crate::distance::farthest;
 use crate::holes::{close_all, holes};
@@ -35,7 +36,7 @@ pub fn smooth(mesh: &TriangleMesh, found: &[Crossing], share: f64) -> Option<Smo
     let mut surface = Surface::of(mesh.clone(), found.to_vec());
     let (mut cut, mut lost) = (0, Vec::new());
     for rings in 0..ROUNDS {
-        let scuffs = surface.scuffs(rings, share);
+        let scuffs = surface.discs_of(surface.scuffs(rings, share));
         if scuffs.is_empty() {
             if surface.left.is_empty() { break } else { continue }
         }
@@ -116,14 +117,8 @@ impl Surface {
     /// The surface without scuffs and without the scraps that come off with them, its holes closed, and what places were lost;
     /// nothing unless it crosses less.
     fn without(&self, scuffs: &[Scuff]) -> Option<(Surface, Vec<DVec3>)> {
-        let mut keep = vec![true; self.mesh.triangles.len()];
-        scuffs.iter().flat_map(|scuff| &scuff.triangles).for_each(|&t| keep[t as usize] = false);
-        let reach = scuffs.iter().map(|scuff| scuff.size).fold(0.0, f64::max);
-        let mut kept: Vec<u32> = (0..keep.len() as u32).filter(|&t| keep[t as usize]).collect();
-        for scrap in self.scraps(&kept, reach) {
-            keep[scrap as usize] = false;
-        }
-        kept.retain(|&t| keep[t as usize]);
+        let keep = self.kept_of(scuffs);
+        let kept: Vec<u32> = (0..keep.len() as u32).filter(|&t| keep[t as usize]).collect();
         let triangles = kept.iter().map(|&t| self.mesh.triangles[t as usize]).collect();
         let sheets = Sheets::of(&TriangleMesh { vertices: self.mesh.vertices.clone(), triangles });
         let mut closed = sheets.mesh.clone();
@@ -134,6 +129,29 @@ impl Surface {
         let next = Surface::of(closed.clone(), self.left_of(&kept, &closed));
         let gone = (0..keep.len()).filter(|&t| !keep[t]).flat_map(|t| self.mesh.corners(t)).collect();
         (next.left.len() < self.left.len()).then_some((next, gone))
+    }
+
+    /// Which triangles stay where scuffs go, and the scraps with them.
+    fn kept_of(&self, scuffs: &[Scuff]) -> Vec<bool> {
+        let mut keep = vec![true; self.mesh.triangles.len()];
+        scuffs.iter().flat_map(|scuff| &scuff.triangles).for_each(|&t| keep[t as usize] = false);
+        let reach = scuffs.iter().map(|scuff| scuff.size).fold(0.0, f64::max);
+        let kept: Vec<u32> = (0..keep.len() as u32).filter(|&t| keep[t as usize]).collect();
+        self.scraps(&kept, reach).into_iter().for_each(|scrap| keep[scrap as usize] = false);
+        keep
+    }
+
+    /// Leaves out scuffs that would take more than discs out of the surface, and so part what hangs together.
+    fn discs_of(&self, scuffs: Vec<Scuff>) -> Vec<Scuff> {
+        let keep = self.kept_of(&scuffs);
+        let away: Vec<bool> = keep.iter().map(|keep| !keep).collect();
+        let mut is_disc = vec![true; keep.len()];
+        for patch in connected(&self.mesh, &away, &[]) {
+            if euler(&self.mesh, &patch) != 1 {
+                patch.iter().for_each(|&t| is_disc[t as usize] = false);
+            }
+        }
+        scuffs.into_iter().filter(|scuff| scuff.triangles.iter().all(|&t| is_disc[t as usize])).collect()
     }
 
     /// What still crosses in a surface whose first triangles are those kept, caps after them: of those kept it is known.
@@ -166,6 +184,21 @@ impl Surface {
         };
         pieces.iter().filter(is_scrap).flatten().copied().collect()
     }
+}
+
+/// Vertices less edges and more triangles of a patch: 1 for a disc.
+fn euler(mesh: &TriangleMesh, patch: &[u32]) -> i64 {
+    let triangles = || patch.iter().map(|&t| mesh.triangles[t as usize]);
+    let mut edges: Vec<[u32; 2]> = triangles()
+        .flat_map(|[a, b, c]| [[a, b], [b, c], [c, a]])
+        .map(|[a, b]| [a.min(b), a.max(b)])
+        .collect();
+    edges.sort_unstable();
+    edges.dedup();
+    let mut vertices: Vec<u32> = triangles().flatten().collect();
+    vertices.sort_unstable();
+    vertices.dedup();
+    vertices.len() as i64 - edges.len() as i64 + patch.len() as i64
 }
 
 /// A crossing by the places of its triangles in a list, if both are in it.
@@ -247,6 +280,23 @@ mod tests {
     use crate::fixture::{ball, moved, together};
     use crate::volume::signed_volume;
     use fibar_geometry::crossings::crossings;
+
+    #[test]
+    fn only_discs_are_cut_out() {
+        let surface = Surface::of(ball(10.0, 12), Vec::new());
+        let discs_of = |triangles: Vec<u32>| {
+            let size = Span::of(&surface.mesh, &triangles).size();
+            surface.discs_of(vec![Scuff { triangles, size }]).len()
+        };
+        let near = |place: DVec3, is_near: &dyn Fn(DVec3) -> bool| {
+            let count = surface.mesh.triangles.len() as u32;
+            let middle = |t: u32| surface.mesh.corners(t as usize).iter().sum::<DVec3>() / 3.0 - place;
+            (0..count).filter(|&t| is_near(middle(t))).collect::<Vec<u32>>()
+        };
+        assert_eq!(discs_of(vec![7]), 1);
+        assert_eq!(discs_of(near(10.0 * DVec3::Z, &|from| from.length() < 3.0)), 1);
+        assert_eq!(discs_of(near(DVec3::ZERO, &|from| from.z.abs() < 2.0)), 0);
+    }
 
     #[test]
     fn small_crossings_are_cut_out_and_nothing_else() {
