@@ -48,6 +48,23 @@ fn every_known_fault_is_mended() {
     assert!(unexpected.is_empty(), "{}", unexpected.join("\n"));
 }
 
+/// Takes several minutes: every real mesh is mended by every tool, and judged.
+#[test]
+fn what_any_peer_mends_of_real_meshes_is_mended() {
+    if !is_full() {
+        return;
+    }
+    let bench = Command::new(env!("CARGO_BIN_EXE_bench")).arg("repair/real").output().unwrap();
+    let table = String::from_utf8(bench.stdout).unwrap();
+    if table.contains("repair: skipped") {
+        println!("{table}");
+        return assert!(std::env::var_os("CI").is_none(), "the peers are not set up");
+    }
+    let lost: Vec<&str> = table.lines().filter(|line| line.starts_with("- lost")).collect();
+    assert!(lost.is_empty(), "{}", lost.join("\n"));
+    assert_eq!(table.lines().filter(|line| line.starts_with("| real-")).count(), 16, "{table}");
+}
+
 #[test]
 fn a_build_says_what_was_repaired_and_where_it_could_not() {
     let workshop = Workshop::default();
