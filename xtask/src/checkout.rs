@@ -41,7 +41,9 @@ impl Checkout {
     pub fn cargo(&self, arguments: &[&str]) -> Command {
         let mut command = Command::new(std::env::var_os("CARGO").unwrap_or("cargo".into()));
         command.current_dir(&self.root).args(arguments);
-        read_before(std::env::vars_os()).iter().for_each(|name| drop(command.env_remove(name)));
+        for name in read_before(std::env::vars_os()) {
+            command.env_remove(name);
+        }
         command
     }
 
