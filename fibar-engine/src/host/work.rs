@@ -163,14 +163,11 @@ impl<'a> WorkFolder<'a> {
     pub fn check_inputs(&self) -> Result<()> {
         for input in &self.inputs {
             let path = self.folder.join(&input.path);
-            if input.stamp.is_some_and(|stamp| stamp.holds(&path)) && !path.is_symlink() {
-                continue;
-            }
-            let found = if input.stamp.is_some() {
-                Digest::of_file(&path).map(|(digest, _)| digest).context("read", &path)
-            } else {
-                Tree::list(&path, &mut |f| Digest::of_file(f).context("read", f))
-                    .map(|tree| Digest::of(&tree.to_bytes()))
+            let found = match input.stamp {
+                Some(stamp) if stamp.holds(&path) => Ok(input.digest),
+                Some(_) => Digest::of_file(&path).map(|(digest, _)| digest).context("read", &path),
+                None => Tree::list(&path, &mut |f| Digest::of_file(f).context("read", f))
+                    .map(|tree| Digest::of(&tree.to_bytes())),
             };
             if found.ok() != Some(input.digest) || path.is_symlink() {
                 return Err(fault(format!("it changed {}, which is read-only", input.what)));

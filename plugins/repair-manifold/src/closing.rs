@@ -6,7 +6,7 @@ use crate::families::{Family, families, shell_numbers};
 use crate::fate::Fate;
 use crate::holes::{Hole, close_all, holes};
 use crate::nesting::{Nesting, Shell};
-use crate::sheets::Sheets;
+use crate::sheets::{Sheets, shell_of_each};
 use crate::tangles::{Tangled, untangle};
 use crate::{orientation, relief, scuffs, seams, sight, sound, volume, walls, weld};
 use fibar_core::artefact::mesh::TriangleMesh;
@@ -74,10 +74,11 @@ fn crossed_by_own_caps(closed: &Sheets, found: &[Crossing], caps: usize) -> Vec<
         return Vec::new();
     }
     let shells = closed.shells();
-    let mut firsts = vec![0; closed.mesh.triangles.len()];
-    shells.iter().for_each(|shell| shell.iter().for_each(|&t| firsts[t as usize] = shell[0]));
-    let crossed = with_caps.map(|pair| pair.map(|t| firsts[t as usize])).filter(|[one, other]| one == other);
-    crossed.map(|[first, _]| first).collect::<BTreeSet<u32>>().into_iter().collect()
+    let shell_of = shell_of_each(&shells, closed.mesh.triangles.len());
+    let crossed =
+        with_caps.map(|pair| pair.map(|t| shell_of[t as usize])).filter(|[one, other]| one == other);
+    let crossed: BTreeSet<u32> = crossed.map(|[shell, _]| shell).collect();
+    crossed.into_iter().map(|shell| shells[shell as usize][0]).collect()
 }
 
 /// The solid of a mesh in which sheets stand on flat backs, if there are such that caps pass through.

@@ -1,5 +1,6 @@
 //! Families: shells that touch each other or lie in each other, and so must be united together or may be left alone.
 
+use crate::heads::Heads;
 use crate::nesting::Shell;
 use fibar_core::artefact::mesh::TriangleMesh;
 use fibar_geometry::crossings::{self, Crossing};
@@ -25,14 +26,13 @@ pub fn shell_numbers(mesh: &TriangleMesh, shells: &[Shell]) -> Vec<usize> {
 
 /// The families of nested shells with these crossings; all that are loose are one.
 pub fn families(mesh: &TriangleMesh, shells: &[Shell], found: &[Crossing]) -> Vec<Family> {
-    let mut heads: Vec<usize> = (0..shells.len()).collect();
+    let mut heads = Heads::new(shells.len());
     let contacts = contacts(mesh, shells, found);
     let parents = shells.iter().enumerate().filter_map(|(number, shell)| Some([number, shell.parent?]));
     for [one, other] in contacts.iter().copied().chain(parents) {
-        let (one, other) = (head(&heads, one), head(&heads, other));
-        heads[one.max(other)] = one.min(other);
+        heads.join(one as u32, other as u32);
     }
-    let heads: Vec<usize> = (0..shells.len()).map(|number| head(&heads, number)).collect();
+    let heads: Vec<usize> = (0..shells.len()).map(|number| heads.of(number as u32) as usize).collect();
     let mut is_loose = vec![true; shells.len()];
     contacts.iter().for_each(|[one, _]| is_loose[heads[*one]] = false);
     let members =
@@ -42,13 +42,6 @@ pub fn families(mesh: &TriangleMesh, shells: &[Shell], found: &[Crossing]) -> Ve
     let tight = tight.map(|top| Family { members: members(&|k| heads[k] == top), is_loose: false });
     let loose = Some(Family { members: loose, is_loose: true }).filter(|family| !family.members.is_empty());
     loose.into_iter().chain(tight).collect()
-}
-
-fn head(heads: &[usize], mut of: usize) -> usize {
-    while heads[of] != of {
-        of = heads[of];
-    }
-    of
 }
 
 /// Whether a shell lies in material: in a body, as a body, or in what lies there.

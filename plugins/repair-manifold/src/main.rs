@@ -16,6 +16,7 @@ mod families;
 mod fate;
 #[cfg(test)]
 mod fixture;
+mod heads;
 mod holes;
 mod nesting;
 mod orientation;

@@ -6,7 +6,7 @@
 
 use crate::distance::farthest;
 use crate::holes::{close_all, holes};
-use crate::sheets::Sheets;
+use crate::sheets::{Sheets, shell_of_each};
 use fibar_core::artefact::mesh::TriangleMesh;
 use fibar_geometry::crossings::{Crossing, crossings_between};
 use fibar_geometry::overlaps::LOOSE;
@@ -87,10 +87,7 @@ struct Scuff {
 impl Surface {
     fn of(mesh: TriangleMesh, mut left: Vec<Crossing>) -> Surface {
         let shells = Sheets::of(&mesh).shells();
-        let mut shell_of = vec![0; mesh.triangles.len()];
-        for (number, shell) in (0u32..).zip(&shells) {
-            shell.iter().for_each(|&t| shell_of[t as usize] = number);
-        }
+        let shell_of = shell_of_each(&shells, mesh.triangles.len());
         let sizes = shells.iter().map(|shell| Span::of(&mesh, shell).size()).collect();
         left.retain(|crossing| {
             shell_of[crossing.triangles[0] as usize] == shell_of[crossing.triangles[1] as usize]
@@ -126,7 +123,8 @@ impl Surface {
         if !Sheets::of(&closed).is_closed() {
             return None;
         }
-        let next = Surface::of(closed.clone(), self.left_of(&kept, &closed));
+        let left = self.left_of(&kept, &closed);
+        let next = Surface::of(closed, left);
         let gone = (0..keep.len()).filter(|&t| !keep[t]).flat_map(|t| self.mesh.corners(t)).collect();
         (next.left.len() < self.left.len()).then_some((next, gone))
     }

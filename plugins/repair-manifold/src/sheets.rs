@@ -58,6 +58,15 @@ impl Sheets {
     }
 }
 
+/// For each of so many triangles the number of the shell that it belongs to.
+pub fn shell_of_each(shells: &[Vec<u32>], triangles: usize) -> Vec<u32> {
+    let mut numbers = vec![0; triangles];
+    for (number, shell) in (0..).zip(shells) {
+        shell.iter().for_each(|&t| numbers[t as usize] = number);
+    }
+    numbers
+}
+
 /// Twins among the half-edges along one edge.
 fn pair(mesh: &TriangleMesh, ends: [u32; 2], uses: &[Use]) -> Vec<(u32, u32)> {
     match uses {

@@ -1,6 +1,7 @@
 //! Strands: parts of a shell that overlap within a box and hang together only outside of it.
 
 use crate::edges::origin;
+use crate::heads::Heads;
 use crate::tangles::Tangle;
 use fibar_core::artefact::mesh::TriangleMesh;
 use fibar_geometry::crossings::{Crossing, crossings};
@@ -57,23 +58,15 @@ fn falls_apart(mesh: &TriangleMesh, twins: &[u32], around: &Tangle, found: &[Cro
         let [a, b, c] = mesh.corners(t as usize);
         around.meets(&Tangle { low: a.min(b).min(c), high: a.max(b).max(c) })
     });
-    let mut heads: Vec<u32> = (0..mesh.triangles.len() as u32).collect();
+    let mut heads = Heads::new(mesh.triangles.len());
     for half_edge in near.flat_map(|t| 3 * t..3 * t + 3) {
         let twin = twins[half_edge as usize];
         if twin != OPEN && enters([place(half_edge), place(next(half_edge))], around) {
-            let [one, other] = [half_edge, twin].map(|h| head(&heads, h / 3));
-            heads[one.max(other) as usize] = one.min(other);
+            heads.join(half_edge / 3, twin / 3);
         }
     }
     let mut here = found.iter().filter(|c| around.meets(&Tangle { low: c.place, high: c.place }));
-    here.all(|crossing| head(&heads, crossing.triangles[0]) != head(&heads, crossing.triangles[1]))
-}
-
-fn head(heads: &[u32], mut of: u32) -> u32 {
-    while heads[of as usize] != of {
-        of = heads[of as usize];
-    }
-    of
+    here.all(|crossing| heads.of(crossing.triangles[0]) != heads.of(crossing.triangles[1]))
 }
 
 /// Whether a piece of a line is in a box somewhere.

@@ -241,9 +241,11 @@ pub fn make_room(
     Ok(alone)
 }
 
-/// Rounds of [`finish`] for a whole routing; among fibres that are kept, where some give way if there is no room; and for one fibre more.
+/// Rounds of [`finish`] for a whole routing.
 pub const ROUNDS: u32 = 20;
+/// The same among fibres that are kept, where some give way if there is no room.
 pub const ROUNDS_AMONG_KEPT: u32 = 10;
+/// The same for one fibre more.
 pub const ROUNDS_FOR_ONE: u32 = 4;
 /// Every so many rounds all that are still at fault are taken out and put back.
 const ROUNDS_TO_A_START: u32 = 5;
